@@ -1,0 +1,20 @@
+# overtet_room(NAME SOURCES ... [LINKS ...] [PRIVATE_LINKS ...])
+#
+# One static library for one folder of kernels/ or src/. Headers are included by their path from the
+# top of the repository ("kernels/bvh/bvh.h", "src/surface/diagnose.h"). LINKS are the rooms and
+# libraries whose types appear in the room's headers; PRIVATE_LINKS stay inside its .cpp files.
+function(overtet_room name)
+  cmake_parse_arguments(ROOM "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
+  add_library(overtet_${name} STATIC ${ROOM_SOURCES})
+  target_include_directories(overtet_${name} PUBLIC ${CMAKE_SOURCE_DIR})
+  target_link_libraries(overtet_${name} PUBLIC overtet_public ${ROOM_LINKS} PRIVATE ${ROOM_PRIVATE_LINKS})
+endfunction()
+
+# overtet_test(NAME SOURCES ... LINKS ...): one GoogleTest program for one folder of tests/.
+function(overtet_test name)
+  cmake_parse_arguments(T "" "" "SOURCES;LINKS" ${ARGN})
+  add_executable(test_${name} ${T_SOURCES})
+  target_include_directories(test_${name} PRIVATE ${CMAKE_SOURCE_DIR})
+  target_link_libraries(test_${name} PRIVATE ${T_LINKS} overtet_test_support GTest::gtest_main)
+  gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
+endfunction()

@@ -1,0 +1,48 @@
+// Errors are values: a code that is also the program's exit code, and one sentence for the user.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <variant>
+
+namespace overtet {
+
+enum class ErrorCode {
+  usage = 2,        // the options contradict each other or are out of range
+  bad_input = 3,    // the surface cannot be what this program needs; the message names the element
+  unsolved = 4,     // feasible as far as anyone can tell, but no mesh was found
+  infeasible = 5,   // no such mesh exists; a witness says why
+  limit = 6,        // the time or memory limit was reached
+  io = 7,           // a file could not be read or written
+  internal = 70,    // a bug
+  interrupted = 130
+};
+
+struct Error {
+  ErrorCode code = ErrorCode::internal;
+  std::string message;  // one sentence that tells the user what is wrong and what to do
+};
+
+// A value or an error. Check ok() before value(); taking the wrong one is a bug.
+template <class T>
+class [[nodiscard]] Result {
+ public:
+  Result(T value) : state_(std::in_place_index<0>, std::move(value)) {}
+  Result(Error error) : state_(std::in_place_index<1>, std::move(error)) {}
+
+  bool ok() const { return state_.index() == 0; }
+  explicit operator bool() const { return ok(); }
+  T& value() & { return std::get<0>(state_); }
+  const T& value() const& { return std::get<0>(state_); }
+  T&& value() && { return std::get<0>(std::move(state_)); }
+  const Error& error() const { return std::get<1>(state_); }
+
+ private:
+  std::variant<T, Error> state_;
+};
+
+// Success without a value, or an error.
+using Status = Result<std::monostate>;
+inline Status success() { return Status(std::monostate{}); }
+
+}  // namespace overtet

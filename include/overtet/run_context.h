@@ -1,0 +1,45 @@
+// What a stage needs to know about the run it is part of: when to stop, how many threads to use, whom
+// to tell. The library itself never prints, never exits and installs no signal handler.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <string_view>
+
+#include "overtet/result.h"
+
+namespace overtet {
+
+enum class LogLevel { error, warning, info, debug };
+
+struct RunContext {
+  using Clock = std::chrono::steady_clock;
+
+  const std::atomic<bool>* cancel = nullptr;              // set by the caller to stop the run
+  Clock::time_point deadline = Clock::time_point::max();  // wall-clock
+  std::size_t memory_limit_bytes = 0;                     // of the whole process tree; 0: none
+  int threads = 0;                                        // 0: all cores
+  std::function<void(std::string_view stage, double fraction, std::string_view detail)> progress;
+  std::function<void(LogLevel, std::string_view)> log;
+
+  // Why the run must stop now, if it must: interrupted or limit. Cheap; call it in every outer loop.
+  std::optional<Error> stop() const;
+
+  // Why `bytes` more cannot be taken, if they cannot. Call before every large allocation.
+  std::optional<Error> no_room_for(std::size_t bytes) const;
+
+  // Seconds until the deadline (a large number when there is none, never negative).
+  double seconds_left() const;
+
+  void report(std::string_view stage, double fraction, std::string_view detail = {}) const {
+    if (progress) progress(stage, fraction, detail);
+  }
+  void note(LogLevel level, std::string_view message) const {
+    if (log) log(level, message);
+  }
+};
+
+}  // namespace overtet

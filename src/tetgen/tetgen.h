@@ -1,0 +1,47 @@
+// TetGen, run in a child process with a time and a memory limit.
+//
+// Debian's libtet is not a safe library call (it crashes, asserts, prints and keeps global state), so
+// one call is one process. The input is scaled by a power of two into a fixed box and scaled back
+// exactly; the first #V output vertices are verified to be the input's, to the last bit.
+#pragma once
+
+#include <vector>
+
+#include "overtet/result.h"
+#include "overtet/run_context.h"
+#include "overtet/types.h"
+
+namespace overtet {
+
+// A piecewise linear complex whose facets are triangles. The caller guarantees: finite coordinates, no
+// two equal vertices, no two facets that intersect except in shared vertices and edges.
+struct Plc {
+  VertexMatrix V;              // #V x 3
+  TriangleMatrix F;            // #F x 3; internal facets are welcome
+  std::vector<Index> markers;  // #F, > 0; handed through to TetgenResult::facet_markers; may be empty
+  VertexMatrix holes;          // #H x 3; the region around each point stays empty
+};
+
+struct TetgenOptions {
+  bool quality = true;            // insert interior points until radius_edge holds
+  double radius_edge = 2.0;       // circumradius over shortest edge
+  bool keep_facets = true;        // no added points on facets (TetGen -Y)
+  bool fill_convex_hull = false;  // keep the tets outside the outermost facets (TetGen -c)
+  double tolerance = 0;           // TetGen -T, for its coplanarity test; 0: TetGen's default
+
+  Status validate() const;
+};
+
+struct TetgenResult {
+  VertexMatrix V;                    // #X x 3; the first #V rows are the input's, bit for bit
+  TetMatrix T;                       // #T x 4, positive
+  TetMatrix neighbours;              // #T x 4; entry k: the tet beyond the face opposite to vertex k, or -1
+  TriangleMatrix facets;             // subfaces of the input facets
+  std::vector<Index> facet_markers;  // #facets
+  double seconds = 0;                // wall time of the child
+  std::size_t peak_rss_bytes = 0;    // of the child
+};
+
+Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options, const RunContext& context);
+
+}  // namespace overtet
