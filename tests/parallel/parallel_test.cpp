@@ -1,0 +1,112 @@
+#include "kernels/parallel/parallel.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+namespace overtet {
+namespace {
+
+double rough(std::int64_t i) { return std::sin(static_cast<double>(i)) * std::pow(10.0, i % 17 - 8); }
+
+double rough_sum(std::int64_t n, std::int64_t grain) {
+  return parallel_reduce(
+      n, grain, 0.0,
+      [](std::int64_t begin, std::int64_t end) {
+        double sum = 0;
+        for (std::int64_t i = begin; i < end; ++i) sum += rough(i);
+        return sum;
+      },
+      [](double a, double b) { return a + b; });
+}
+
+TEST(Parallel, ForVisitsEveryIndexOnce) {
+  for (std::int64_t n : {0, 1, 7, 64, 65, 1000, 100003}) {
+    std::vector<int> seen(n, 0);
+    parallel_for(n, 64, [&](std::int64_t begin, std::int64_t end) {
+      for (std::int64_t i = begin; i < end; ++i) ++seen[i];
+    });
+    for (int count : seen) ASSERT_EQ(count, 1);
+  }
+}
+
+TEST(Parallel, ReduceHasTheSameBitsOnAnyNumberOfThreads) {
+  double first = 0;
+  for (int threads : {1, 2, 3, 8}) {
+    const ScopedThreads scope(threads);
+    EXPECT_EQ(thread_cap(), threads);
+    for (int repeat = 0; repeat < 20; ++repeat) {
+      const double sum = rough_sum(50021, 128);
+      if (threads == 1 && repeat == 0) first = sum;
+      ASSERT_EQ(sum, first) << threads << " threads";
+    }
+  }
+}
+
+TEST(Parallel, ReduceOfBooleansAndEmptyRange) {
+  const auto any = [](std::int64_t n, std::int64_t hit) {
+    return parallel_reduce(
+        n, 8, false, [&](std::int64_t b, std::int64_t e) { return b <= hit && hit < e; },
+        [](bool a, bool b) { return a || b; });
+  };
+  EXPECT_FALSE(any(0, 0));
+  EXPECT_TRUE(any(1000, 999));
+  EXPECT_FALSE(any(1000, 1000));
+}
+
+TEST(Parallel, CollectKeepsTheOrder) {
+  for (int threads : {1, 2, 8}) {
+    const ScopedThreads scope(threads);
+    const auto list = parallel_collect<std::int64_t>(
+        10007, 16, [](std::int64_t begin, std::int64_t end, std::vector<std::int64_t>& out) {
+          for (std::int64_t i = begin; i < end; ++i)
+            if (i % 3 == 1) out.push_back(i);
+        });
+    ASSERT_EQ(list.size(), 3336u);
+    for (std::size_t k = 0; k < list.size(); ++k) ASSERT_EQ(list[k], static_cast<std::int64_t>(3 * k + 1));
+  }
+}
+
+TEST(Parallel, NestedLoopsWork) {
+  for (int threads : {1, 2, 8}) {
+    const ScopedThreads scope(threads);
+    std::vector<double> sums(50);
+    parallel_for(50, 1, [&](std::int64_t begin, std::int64_t end) {
+      for (std::int64_t i = begin; i < end; ++i) sums[i] = rough_sum(2000 + i, 64);
+    });
+    const ScopedThreads one(1);
+    for (int i = 0; i < 50; ++i) ASSERT_EQ(sums[i], rough_sum(2000 + i, 64));
+  }
+}
+
+TEST(Parallel, ExceptionsLeaveTheLoop) {
+  EXPECT_THROW(parallel_for(1000, 1,
+                            [](std::int64_t begin, std::int64_t) {
+                              if (begin == 500) throw std::runtime_error("block 500");
+                            }),
+               std::runtime_error);
+  EXPECT_NE(rough_sum(1000, 10), 0.0);  // and the pool still works
+}
+
+TEST(Parallel, ProcessWideCap) {
+  set_thread_cap(3);
+  EXPECT_EQ(thread_cap(), 3);
+  {
+    const ScopedThreads scope(1);
+    EXPECT_EQ(thread_cap(), 1);
+  }
+  EXPECT_EQ(thread_cap(), 3);
+  set_thread_cap(0);
+  EXPECT_GE(thread_cap(), 1);
+}
+
+TEST(Parallel, InvokeRunsBoth) {
+  int a = 0, b = 0;
+  parallel_invoke([&] { a = 1; }, [&] { b = 2; });
+  EXPECT_EQ(a + b, 3);
+}
+
+}  // namespace
+}  // namespace overtet
