@@ -38,10 +38,16 @@ struct TetgenResult {
   TetMatrix neighbours;              // #T x 4; entry k: the tet beyond the face opposite to vertex k, or -1
   TriangleMatrix facets;             // subfaces of the input facets
   std::vector<Index> facet_markers;  // #facets
+  std::vector<Index> facet_sources;  // #facets; the row of Plc::F that each is part of
   double seconds = 0;                // wall time of the child
   std::size_t peak_rss_bytes = 0;    // of the child
 };
 
+// Guaranteed: every tet is exactly positive; every input vertex is a corner of some tet; with keep_facets,
+// `facets` are the input's facets (as vertex sets), each once.
+// Errors: usage (options), bad_input (indices, infinite coordinates, equal vertices: the message names
+// them), limit / interrupted (as the context says; the child is killed), unsolved (TetGen crashed, gave up
+// or lost something; the message says which), internal (the child program is missing).
 Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options, const RunContext& context);
 
 }  // namespace overtet
