@@ -1,0 +1,166 @@
+#include "src/io/file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+
+namespace overtet {
+
+namespace {
+
+std::string directory_of(const std::string& path) {
+  const auto slash = path.rfind('/');
+  if (slash == std::string::npos) return ".";
+  return slash == 0 ? "/" : path.substr(0, slash);
+}
+
+std::string name_of(const std::string& path) {
+  const auto slash = path.rfind('/');
+  return slash == std::string::npos ? path : path.substr(slash + 1);
+}
+
+// The permissions that a plain open(O_CREAT) would give.
+mode_t default_mode() {
+  const mode_t mask = umask(0);
+  umask(mask);
+  return 0666 & ~mask;
+}
+
+}  // namespace
+
+Result<std::string> read_file(const std::string& path) {
+  const auto fail = [&](int code) {
+    return Error{ErrorCode::io, "Cannot read " + path + ": " + std::strerror(code) + "."};
+  };
+  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) return fail(errno);
+  struct stat info;
+  if (fstat(fd, &info) != 0 || S_ISDIR(info.st_mode)) {
+    const int code = S_ISDIR(info.st_mode) ? EISDIR : errno;
+    ::close(fd);
+    return fail(code);
+  }
+  std::string bytes;
+  // One byte more than expected, so that the end of the file is seen by the same loop as a pipe's end.
+  bytes.resize(S_ISREG(info.st_mode) ? static_cast<std::size_t>(info.st_size) + 1 : 1 << 16);
+  std::size_t used = 0;
+  for (;;) {
+    if (used == bytes.size()) bytes.resize(2 * bytes.size());
+    const ssize_t got = ::read(fd, bytes.data() + used, bytes.size() - used);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) {
+      const int code = errno;
+      ::close(fd);
+      return fail(code);
+    }
+    if (got == 0) break;
+    used += static_cast<std::size_t>(got);
+  }
+  ::close(fd);
+  bytes.resize(used);
+  return bytes;
+}
+
+AtomicFile::~AtomicFile() { abandon(); }
+
+void AtomicFile::abandon() {
+  if (fd_ >= 0) ::close(fd_);
+  fd_ = -1;
+  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+  temporary_.clear();
+}
+
+Error AtomicFile::error(const char* what, int code) const {
+  return Error{ErrorCode::io, "Cannot " + std::string(what) + " " + path_ + ": " + std::strerror(code) + "."};
+}
+
+Status AtomicFile::open(const std::string& path) {
+  abandon();
+  path_ = path;
+  target_ = path;
+  if (char* real = ::realpath(path.c_str(), nullptr)) {
+    target_ = real;
+    std::free(real);
+  }
+  struct stat info;
+  if (::stat(target_.c_str(), &info) == 0) {
+    if (S_ISDIR(info.st_mode)) return error("write", EISDIR);
+    direct_ = !S_ISREG(info.st_mode);
+    // A rename would also replace a file that the user has made read-only.
+    if (!direct_ && ::access(target_.c_str(), W_OK) != 0) return error("write", errno);
+  }
+  if (direct_) {
+    fd_ = ::open(target_.c_str(), O_WRONLY | O_CLOEXEC);
+    return fd_ < 0 ? Status(error("write", errno)) : success();
+  }
+  const std::string directory = directory_of(target_);
+  fd_ = ::open(directory.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0600);
+  if (fd_ < 0) {
+    std::string name = directory + "/." + name_of(target_) + ".XXXXXX";
+    fd_ = ::mkostemp(name.data(), O_CLOEXEC);
+    if (fd_ < 0) return error("write", errno);
+    temporary_ = name;
+  }
+  if (::fchmod(fd_, default_mode()) != 0) { /* the file stays private to its owner */
+  }
+  return success();
+}
+
+Status AtomicFile::write(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t done = ::write(fd_, bytes.data(), bytes.size());
+    if (done < 0 && errno == EINTR) continue;
+    if (done < 0) return error("write", errno);
+    bytes.remove_prefix(static_cast<std::size_t>(done));
+  }
+  return success();
+}
+
+Status AtomicFile::sync() {
+  if (synced_ || direct_) return success();
+  if (::fsync(fd_) != 0) return error("write", errno);
+  synced_ = true;
+  return success();
+}
+
+Status AtomicFile::commit() {
+  if (Status s = sync(); !s) return s;
+  if (!direct_) {
+    if (temporary_.empty()) {
+      // linkat cannot replace a file, so the name goes through a neighbour that exists for an instant.
+      const std::string self = "/proc/self/fd/" + std::to_string(fd_);
+      const std::string stem =
+          directory_of(target_) + "/." + name_of(target_) + "." + std::to_string(::getpid()) + ".";
+      for (int attempt = 0; attempt < 100; ++attempt) {
+        const std::string name = stem + std::to_string(attempt);
+        if (::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0) {
+          temporary_ = name;
+          break;
+        }
+        if (errno != EEXIST) return error("write", errno);
+      }
+      if (temporary_.empty()) return error("write", EEXIST);
+    }
+    if (::rename(temporary_.c_str(), target_.c_str()) != 0) return error("write", errno);
+    temporary_.clear();
+  }
+  const int fd = fd_;
+  fd_ = -1;
+  return ::close(fd) == 0 ? success() : Status(error("write", errno));
+}
+
+void TextWriter::flush() {
+  if (status_.ok()) status_ = file_.write(buffer_);
+  buffer_.clear();
+}
+
+Status TextWriter::finish() {
+  flush();
+  return status_;
+}
+
+}  // namespace overtet

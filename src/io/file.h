@@ -1,0 +1,91 @@
+// Whole files in, whole files out.
+//
+// Reading: one read of the whole file. Writing: AtomicFile writes to a file without a name (where the
+// file system allows it; a hidden neighbour otherwise) and gives it its name with one rename after
+// fsync. So a file of that name is either the old one or the complete new one, whatever ends the program.
+#pragma once
+
+#include <charconv>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "overtet/result.h"
+
+namespace overtet {
+
+// The bytes of a file. Directories and unreadable files are ErrorCode::io.
+Result<std::string> read_file(const std::string& path);
+
+// Destroyed without commit(): nothing is left behind. A path that names something else than a regular
+// file (a pipe, /dev/null) is written to directly.
+class AtomicFile {
+ public:
+  AtomicFile() = default;
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  Status open(const std::string& path);
+  Status write(std::string_view bytes);
+  // Flushes to the disk, so that what can fail has failed before any name changes. Called by commit().
+  Status sync();
+  Status commit();
+
+ private:
+  Error error(const char* what, int code) const;
+  void abandon();
+
+  std::string path_;       // as the user wrote it
+  std::string target_;     // with symbolic links followed
+  std::string temporary_;  // empty: the file has no name yet
+  int fd_ = -1;
+  bool direct_ = false;
+  bool synced_ = false;
+};
+
+// Text for an AtomicFile, formatted in a buffer. Numbers are written in the shortest form that reads back
+// as the same double, so that the file holds exactly what was checked.
+class TextWriter {
+ public:
+  explicit TextWriter(AtomicFile& file) : file_(file) { buffer_.reserve(kBuffer + kSlack); }
+
+  TextWriter& text(std::string_view s) {
+    buffer_.append(s);
+    return spill();
+  }
+  TextWriter& character(char c) {
+    buffer_.push_back(c);
+    return *this;
+  }
+  TextWriter& number(double x) { return put(x); }
+  TextWriter& number(std::int64_t x) { return put(x); }
+  TextWriter& number(std::int32_t x) { return put(x); }
+  TextWriter& end_line() { return character('\n').spill(); }
+
+  // Writes what is buffered; the first error of all writes.
+  Status finish();
+
+ private:
+  static constexpr std::size_t kBuffer = 1 << 20;
+  static constexpr std::size_t kSlack = 4096;
+
+  template <class T>
+  TextWriter& put(T x) {
+    char digits[32];
+    const auto end = std::to_chars(digits, digits + sizeof digits, x).ptr;
+    buffer_.append(digits, static_cast<std::size_t>(end - digits));
+    return *this;
+  }
+  TextWriter& spill() {
+    if (buffer_.size() >= kBuffer) flush();
+    return *this;
+  }
+  void flush();
+
+  AtomicFile& file_;
+  std::string buffer_;
+  Status status_ = success();
+};
+
+}  // namespace overtet

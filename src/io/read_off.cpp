@@ -1,0 +1,81 @@
+#include "src/io/surface_parts.h"
+#include "src/io/text.h"
+
+namespace overtet::io_detail {
+
+// Vertices and faces are one a line; what follows the coordinates or the indices (colours, normals) is
+// ignored. "4OFF" and "nOFF" (other dimensions) and the binary variant are refused.
+Result<Polygons> parse_off(std::string_view name, std::string_view bytes, SurfaceReadInfo& info) {
+  if (const std::int64_t line = line_of_nul(bytes))
+    return malformed(name, "line " + std::to_string(line) + " holds a NUL byte, which no text file should");
+  TextCursor in(name, bytes, true);
+  if (!in.to_token()) return malformed(name, "the file is empty");
+  std::string_view header = in.token();
+  info.format = std::string(header);
+  for (const std::string_view prefix : {"ST", "C", "N"})
+    if (header.substr(0, prefix.size()) == prefix) header.remove_prefix(prefix.size());
+  if (header != "OFF")
+    return malformed(name, quoted(info.format) + " is not a kind of OFF that Overtet reads");
+  if (!in.to_token()) return malformed(name, "the file ends before the numbers of vertices and faces");
+  std::int64_t vertices = 0, faces = 0;
+  if (!in.integer(vertices, [] { return "the number of vertices"; })) return in.error();
+  if (!in.integer(faces, [] { return "the number of faces"; })) return in.error();
+  std::int64_t edges = 0;
+  if (!in.at_line_end() && !in.integer(edges, [] { return "the number of edges"; })) return in.error();
+  if (vertices < 0 || faces < 0) {
+    in.fail(std::to_string(vertices < 0 ? vertices : faces) + " cannot be a number of " +
+            (vertices < 0 ? "vertices" : "faces"));
+    return in.error();
+  }
+  // The shortest vertex line is "0 0 0\n", the shortest face line "3 0 1 2\n".
+  const auto left = static_cast<std::int64_t>(in.bytes_left()) + 1;
+  if (vertices > kMaxCount || faces > kMaxCount || vertices > left / 6 || faces > left / 8 ||
+      6 * vertices + 8 * faces > left + 1) {
+    in.fail("the file is too short for " + std::to_string(vertices) + " vertices and " +
+            std::to_string(faces) + " faces");
+    return in.error();
+  }
+  in.next_line();
+
+  Polygons out;
+  out.xyz.resize(static_cast<std::size_t>(3 * vertices));
+  for (std::int64_t v = 0; v < vertices; ++v) {
+    if (!in.to_token())
+      return malformed(
+          name, "the file ends after " + std::to_string(v) + " of " + std::to_string(vertices) + " vertices");
+    for (int k = 0; k < 3; ++k)
+      if (!in.real(out.xyz[static_cast<std::size_t>(3 * v + k)],
+                   [&] { return "vertex " + std::to_string(v); }))
+        return in.error();
+    in.next_line();
+  }
+  out.corners.reserve(static_cast<std::size_t>(3 * faces));
+  out.sizes.reserve(static_cast<std::size_t>(faces));
+  for (std::int64_t f = 0; f < faces; ++f) {
+    const auto which = [&] { return "face " + std::to_string(f); };
+    if (!in.to_token())
+      return malformed(
+          name, "the file ends after " + std::to_string(f) + " of " + std::to_string(faces) + " faces");
+    std::int64_t size = 0;
+    if (!in.integer(size, which)) return in.error();
+    if (size < 3 || size > static_cast<std::int64_t>(in.bytes_left())) {
+      in.fail("a face cannot have " + std::to_string(size) + " corners (" + which() + ")");
+      return in.error();
+    }
+    for (std::int64_t k = 0; k < size; ++k) {
+      std::int64_t v = 0;
+      if (!in.integer(v, which)) return in.error();
+      if (v < 0 || v >= vertices) {
+        in.fail("there is no vertex " + std::to_string(v) + ", vertices are numbered from 0 to " +
+                std::to_string(vertices - 1) + " (" + which() + ")");
+        return in.error();
+      }
+      out.corners.push_back(static_cast<Index>(v));
+    }
+    out.sizes.push_back(static_cast<Index>(size));
+    in.next_line();
+  }
+  return out;
+}
+
+}  // namespace overtet::io_detail

@@ -1,0 +1,315 @@
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <optional>
+
+#include "src/io/surface_parts.h"
+#include "src/io/text.h"
+
+namespace overtet::io_detail {
+
+namespace {
+
+enum class Type { i8, u8, i16, u16, i32, u32, f32, f64 };
+
+constexpr std::array<int, 8> kSize = {1, 1, 2, 2, 4, 4, 4, 8};
+
+std::optional<Type> type_named(std::string_view s) {
+  constexpr std::pair<std::string_view, Type> names[] = {
+      {"char", Type::i8},   {"int8", Type::i8},     {"uchar", Type::u8},   {"uint8", Type::u8},
+      {"short", Type::i16}, {"int16", Type::i16},   {"ushort", Type::u16}, {"uint16", Type::u16},
+      {"int", Type::i32},   {"int32", Type::i32},   {"uint", Type::u32},   {"uint32", Type::u32},
+      {"float", Type::f32}, {"float32", Type::f32}, {"double", Type::f64}, {"float64", Type::f64}};
+  for (const auto& [name, type] : names)
+    if (name == s) return type;
+  return std::nullopt;
+}
+
+struct Property {
+  std::string name;
+  Type type = Type::f64;
+  bool list = false;
+  Type count_type = Type::u8;
+};
+
+struct Element {
+  std::string name;
+  std::int64_t count = 0;
+  std::vector<Property> properties;
+};
+
+template <class T>
+T load(const char* p, bool swap) {
+  std::array<char, sizeof(T)> b;
+  std::memcpy(b.data(), p, sizeof(T));
+  if (swap) std::reverse(b.begin(), b.end());
+  return std::bit_cast<T>(b);
+}
+
+double load_number(const char* p, Type type, bool swap) {
+  switch (type) {
+    case Type::i8:
+      return load<std::int8_t>(p, swap);
+    case Type::u8:
+      return load<std::uint8_t>(p, swap);
+    case Type::i16:
+      return load<std::int16_t>(p, swap);
+    case Type::u16:
+      return load<std::uint16_t>(p, swap);
+    case Type::i32:
+      return load<std::int32_t>(p, swap);
+    case Type::u32:
+      return load<std::uint32_t>(p, swap);
+    case Type::f32:
+      return load<float>(p, swap);
+    case Type::f64:
+      return load<double>(p, swap);
+  }
+  return 0;
+}
+
+// One way of getting the next number of the body, the same for text and binary files.
+class Source {
+ public:
+  virtual ~Source() = default;
+  virtual bool next(Type type, double& x) = 0;  // false: the error is set
+  virtual bool end_element() = 0;
+  virtual bool begin_element() = 0;
+  virtual std::int64_t bytes_left() const = 0;
+  virtual std::string place() const = 0;  // for messages
+
+  Error error;
+  std::string_view name;
+  const char* element = "";
+  std::int64_t number = 0;
+
+  std::string which() const { return std::string(element) + " " + std::to_string(number); }
+  bool fail(const std::string& what) {
+    error = malformed(name, place() + what);
+    return false;
+  }
+};
+
+class BinarySource final : public Source {
+ public:
+  BinarySource(std::string_view body, bool swap) : p_(body.data()), end_(p_ + body.size()), swap_(swap) {}
+  bool next(Type type, double& x) override {
+    const int size = kSize[static_cast<std::size_t>(type)];
+    if (end_ - p_ < size) return fail("the file ends inside " + which());
+    x = load_number(p_, type, swap_);
+    p_ += size;
+    return true;
+  }
+  bool begin_element() override { return true; }
+  bool end_element() override { return true; }
+  std::int64_t bytes_left() const override { return end_ - p_; }
+  std::string place() const override { return ""; }
+
+ private:
+  const char* p_;
+  const char* end_;
+  bool swap_;
+};
+
+class TextSource final : public Source {
+ public:
+  TextSource(std::string_view file, std::string_view body, std::int64_t line)
+      : in_(file, body, false, line) {}
+  bool next(Type, double& x) override {
+    if (in_.real(x, [&] { return which(); })) return true;
+    error = in_.error();
+    return false;
+  }
+  bool begin_element() override { return in_.to_token() || fail("the file ends before " + which()); }
+  bool end_element() override {
+    if (!in_.at_line_end()) return fail("there are more values than the header names (" + which() + ")");
+    in_.next_line();
+    return true;
+  }
+  std::int64_t bytes_left() const override { return static_cast<std::int64_t>(in_.bytes_left()); }
+  std::string place() const override { return "line " + std::to_string(in_.line()) + ": "; }
+
+ private:
+  TextCursor in_;
+};
+
+bool index_list(const Property& p) {
+  return p.list && (p.name == "vertex_indices" || p.name == "vertex_index");
+}
+
+Status read_body(Source& in, const std::vector<Element>& elements, Polygons& out) {
+  std::int64_t vertices = 0;
+  for (const Element& e : elements)
+    if (e.name == "vertex") vertices = e.count;
+  for (const Element& e : elements) {
+    in.element = e.name.c_str();
+    const bool is_vertex = e.name == "vertex", is_face = e.name == "face";
+    std::vector<int> role(e.properties.size(), -1);  // 0..2: a coordinate, 3: the corners
+    for (std::size_t i = 0; i < e.properties.size(); ++i) {
+      const Property& p = e.properties[i];
+      if (is_vertex && !p.list && p.name.size() == 1 && p.name[0] >= 'x' && p.name[0] <= 'z')
+        role[i] = p.name[0] - 'x';
+      if (is_face && index_list(p)) role[i] = 3;
+    }
+    if (is_vertex) out.xyz.resize(static_cast<std::size_t>(3 * e.count));
+    if (is_face) {
+      out.sizes.reserve(static_cast<std::size_t>(e.count));
+      out.corners.reserve(static_cast<std::size_t>(3 * e.count));
+    }
+    for (std::int64_t n = 0; n < e.count; ++n) {
+      in.number = n;
+      if (!in.begin_element()) return in.error;
+      for (std::size_t i = 0; i < e.properties.size(); ++i) {
+        const Property& p = e.properties[i];
+        double x = 0;
+        if (!p.list) {
+          if (!in.next(p.type, x)) return in.error;
+          if (role[i] < 0) continue;
+          if (!std::isfinite(x)) {
+            in.fail("a coordinate is not a finite number (" + in.which() + ")");
+            return in.error;
+          }
+          out.xyz[static_cast<std::size_t>(3 * n + role[i])] = x;
+          continue;
+        }
+        if (!in.next(p.count_type, x)) return in.error;
+        if (!(x >= 0) || x != std::floor(x) || x > static_cast<double>(in.bytes_left())) {
+          in.fail("a list cannot have " + std::to_string(x) + " entries (" + in.which() + ")");
+          return in.error;
+        }
+        const auto size = static_cast<Index>(x);
+        if (role[i] == 3 && size < 3) {
+          in.fail("a face needs at least three corners (" + in.which() + ")");
+          return in.error;
+        }
+        for (Index k = 0; k < size; ++k) {
+          if (!in.next(p.type, x)) return in.error;
+          if (role[i] != 3) continue;
+          if (!(x >= 0 && x < static_cast<double>(vertices)) || x != std::floor(x)) {
+            const bool whole = std::isfinite(x) && std::abs(x) < 1e15;
+            in.fail("there is no vertex " +
+                    (whole ? std::to_string(static_cast<std::int64_t>(x)) : "of that number") +
+                    ", vertices are numbered from 0 to " + std::to_string(vertices - 1) + " (" + in.which() +
+                    (size > 64 ? ", which says it has " + std::to_string(size) + " corners)" : ")"));
+            return in.error;
+          }
+          out.corners.push_back(static_cast<Index>(x));
+        }
+        if (role[i] == 3) out.sizes.push_back(size);
+      }
+      if (!in.end_element()) return in.error;
+    }
+  }
+  return success();
+}
+
+}  // namespace
+
+Result<Polygons> parse_ply(std::string_view name, std::string_view bytes, SurfaceReadInfo& info) {
+  const auto header_end = bytes.find("end_header");
+  const auto body_at = header_end == std::string_view::npos ? header_end : bytes.find('\n', header_end);
+  if (body_at == std::string_view::npos) return malformed(name, "the PLY header has no end_header line");
+  const std::string_view body = bytes.substr(body_at + 1);
+
+  TextCursor in(name, bytes.substr(0, header_end), false);
+  std::string format;
+  std::vector<Element> elements;
+  const auto bad = [&](const std::string& what) {
+    in.fail(what);
+    return in.error();
+  };
+  while (in.to_token()) {
+    const std::string_view key = in.token();
+    const auto word = [&]() -> std::string_view {
+      return in.at_line_end() ? std::string_view() : in.token();
+    };
+    if (key == "format") {
+      format = word();
+    } else if (key == "element") {
+      Element e;
+      e.name = word();
+      if (e.name.empty()) return bad("an element has no name");
+      if (!in.integer(e.count, [&] { return "the number of " + quoted(e.name) + " elements"; }))
+        return in.error();
+      if (e.count < 0 || e.count > kMaxCount)
+        return bad(std::to_string(e.count) + " cannot be a number of " + quoted(e.name) + " elements");
+      if ((e.name == "vertex" || e.name == "face") &&
+          std::any_of(elements.begin(), elements.end(), [&](const Element& o) { return o.name == e.name; }))
+        return bad("the header lists " + quoted(e.name) + " twice");
+      elements.push_back(std::move(e));
+    } else if (key == "property") {
+      if (elements.empty()) return bad("a property comes before any element");
+      Property p;
+      std::string_view type = word();
+      if (type == "list") {
+        p.list = true;
+        const auto count_type = type_named(word());
+        if (!count_type || *count_type == Type::f32 || *count_type == Type::f64)
+          return bad("a list needs a whole number type for its length");
+        p.count_type = *count_type;
+        type = word();
+      }
+      const auto t = type_named(type);
+      if (!t) return bad(quoted(type) + " is not a PLY type");
+      p.type = *t;
+      p.name = word();
+      if (p.name.empty()) return bad("a property has no name");
+      elements.back().properties.push_back(std::move(p));
+    } else if (key != "ply" && key != "comment" && key != "obj_info") {
+      return bad(quoted(key) + " is not something a PLY header says");
+    }
+    in.next_line();
+  }
+  const bool text = format == "ascii", little = format == "binary_little_endian",
+             big = format == "binary_big_endian";
+  if (!text && !little && !big) return malformed(name, quoted(format) + " is not a PLY format");
+  info.format = text ? "PLY, ASCII" : little ? "PLY, binary, little endian" : "PLY, binary, big endian";
+
+  // What the body needs at least; in text every number takes two bytes.
+  std::int64_t least = 0;
+  int seen = 0;
+  const auto body_size = static_cast<std::int64_t>(body.size()) + 1;
+  for (const Element& e : elements) {
+    std::int64_t each = 0;
+    int coordinates = 0, lists = 0;
+    for (const Property& p : e.properties) {
+      each += text ? 2 : kSize[static_cast<std::size_t>(p.list ? p.count_type : p.type)];
+      if (!p.list && (p.name == "x" || p.name == "y" || p.name == "z")) ++coordinates;
+      if (index_list(p)) ++lists;
+    }
+    if (e.name == "vertex" && coordinates != 3) return malformed(name, "the vertices have no x, y and z");
+    if (e.name == "face" && lists != 1) return malformed(name, "the faces have no list of vertex_indices");
+    if (each == 0 && e.count > 0)
+      return malformed(name, "the element " + quoted(e.name) + " has no properties");
+    if (each > 0 && e.count > body_size / each) {
+      return malformed(
+          name, "the file is too short for " + std::to_string(e.count) + " elements " + quoted(e.name));
+    }
+    least += each * e.count;
+    if (least > body_size) return malformed(name, "the file is too short for what its header names");
+    seen += e.name == "vertex" || e.name == "face";
+  }
+  if (seen != 2) return malformed(name, "the header names no vertices or no faces");
+
+  Polygons out;
+  Status status = success();
+  if (text) {
+    std::int64_t line =
+        1 + std::count(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(body_at) + 1, '\n');
+    if (const std::int64_t nul = line_of_nul(body))
+      return malformed(
+          name, "line " + std::to_string(line + nul - 1) + " holds a NUL byte, which no text file should");
+    TextSource source(name, body, line);
+    source.name = name;
+    status = read_body(source, elements, out);
+  } else {
+    BinarySource source(body, little != (std::endian::native == std::endian::little));
+    source.name = name;
+    status = read_body(source, elements, out);
+  }
+  if (!status) return status.error();
+  return out;
+}
+
+}  // namespace overtet::io_detail

@@ -1,0 +1,40 @@
+// What the surface readers share. Internal to src/io.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "overtet/result.h"
+#include "overtet/types.h"
+#include "src/io/surface_io.h"
+
+namespace overtet::io_detail {
+
+constexpr std::int64_t kMaxCount = std::numeric_limits<Index>::max();
+
+// Vertices and polygons as a file lists them.
+struct Polygons {
+  std::vector<double> xyz;
+  std::vector<Index> corners;
+  std::vector<Index> sizes;  // of each face, at least 3
+};
+
+inline Error malformed(std::string_view file, const std::string& what) {
+  return {ErrorCode::bad_input, std::string(file) + ": " + what + "."};
+}
+
+Result<Polygons> parse_off(std::string_view name, std::string_view bytes, SurfaceReadInfo& info);
+Result<Polygons> parse_obj(std::string_view name, std::string_view bytes, SurfaceReadInfo& info);
+Result<Polygons> parse_ply(std::string_view name, std::string_view bytes, SurfaceReadInfo& info);
+Result<Polygons> parse_ascii_stl(std::string_view name, std::string_view bytes, SurfaceReadInfo& info);
+Result<Polygons> parse_binary_stl(std::string_view name, std::string_view bytes, SurfaceReadInfo& info);
+bool is_binary_stl(std::string_view bytes);
+
+// Cuts the polygons into triangles, in order; counts the ones that were not triangles.
+Surface triangulate(const Polygons& polygons, std::int64_t& cut);
+
+}  // namespace overtet::io_detail
