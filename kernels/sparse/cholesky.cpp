@@ -1,0 +1,167 @@
+#include "kernels/sparse/cholesky.h"
+
+#include <dlfcn.h>
+#include <suitesparse/cholmod.h>
+
+#include <cmath>
+#include <mutex>
+#include <vector>
+
+namespace overtet {
+
+namespace {
+
+// A threaded BLAS is told once to use one thread. The reference BLAS has no such function.
+void pin_blas_to_one_thread() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    for (const char* name : {"openblas_set_num_threads", "bli_thread_set_num_threads", "MKL_Set_Num_Threads"})
+      if (void* f = dlsym(RTLD_DEFAULT, name)) reinterpret_cast<void (*)(int)>(f)(1);
+  });
+}
+
+// A view of Eigen's arrays; CHOLMOD reads them only.
+cholmod_sparse view(const SymmetricMatrix& A) {
+  cholmod_sparse s{};
+  s.nrow = static_cast<std::size_t>(A.rows());
+  s.ncol = static_cast<std::size_t>(A.cols());
+  s.nzmax = static_cast<std::size_t>(A.nonZeros());
+  s.p = const_cast<int*>(A.outerIndexPtr());
+  s.i = const_cast<int*>(A.innerIndexPtr());
+  s.x = const_cast<double*>(A.valuePtr());
+  s.stype = -1;
+  s.itype = CHOLMOD_INT;
+  s.xtype = CHOLMOD_REAL;
+  s.dtype = CHOLMOD_DOUBLE;
+  s.sorted = 1;
+  s.packed = 1;
+  return s;
+}
+
+}  // namespace
+
+struct SparseCholesky::Impl {
+  explicit Impl(const CholeskyOptions& options) {
+    cholmod_start(&common);
+    common.print = 0;
+    common.error_handler = nullptr;
+    common.nmethods = 1;
+    using Ordering = CholeskyOptions::Ordering;
+    using Method = CholeskyOptions::Method;
+    common.method[0].ordering = options.ordering == Ordering::amd     ? CHOLMOD_AMD
+                                : options.ordering == Ordering::metis ? CHOLMOD_METIS
+                                                                      : CHOLMOD_NATURAL;
+    common.postorder = options.ordering != Ordering::natural;
+    common.supernodal = options.method == Method::simplicial   ? CHOLMOD_SIMPLICIAL
+                        : options.method == Method::supernodal ? CHOLMOD_SUPERNODAL
+                                                               : CHOLMOD_AUTO;
+    // LL' rather than LDL': a matrix that is not positive definite is found, not factored anyway.
+    common.final_ll = 1;
+    common.quick_return_if_not_posdef = 1;
+  }
+  ~Impl() {
+    cholmod_free_factor(&L, &common);
+    cholmod_free_dense(&X, &common);
+    cholmod_free_dense(&Y, &common);
+    cholmod_free_dense(&E, &common);
+    cholmod_finish(&common);
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  cholmod_common common{};
+  cholmod_factor* L = nullptr;
+  cholmod_dense* X = nullptr;  // kept from solve to solve
+  cholmod_dense* Y = nullptr;
+  cholmod_dense* E = nullptr;
+  std::vector<double> columns;
+  Eigen::Index rows = -1, entries = -1;
+  bool factored = false;
+};
+
+SparseCholesky::SparseCholesky(const CholeskyOptions& options) {
+  pin_blas_to_one_thread();
+  impl_ = std::make_unique<Impl>(options);
+}
+SparseCholesky::~SparseCholesky() = default;
+SparseCholesky::SparseCholesky(SparseCholesky&&) noexcept = default;
+SparseCholesky& SparseCholesky::operator=(SparseCholesky&&) noexcept = default;
+
+bool SparseCholesky::analyze(const SymmetricMatrix& A) {
+  Impl& m = *impl_;
+  cholmod_free_factor(&m.L, &m.common);
+  m.factored = false;
+  m.rows = -1;
+  if (A.rows() != A.cols() || !A.isCompressed()) return false;
+  if (A.rows() > 0) {
+    cholmod_sparse s = view(A);
+    m.L = cholmod_analyze(&s, &m.common);
+    if (!m.L) return false;
+  }
+  m.rows = A.rows();
+  m.entries = A.nonZeros();
+  return true;
+}
+
+bool SparseCholesky::factor(const SymmetricMatrix& A) {
+  Impl& m = *impl_;
+  m.factored = false;
+  if (m.rows < 0 || A.rows() != m.rows || A.nonZeros() != m.entries || !A.isCompressed()) return false;
+  if (m.rows > 0) {
+    // NaN passes CHOLMOD's positivity test (d <= 0 is false for it).
+    const double* x = A.valuePtr();
+    for (Eigen::Index i = 0; i < m.entries; ++i)
+      if (!std::isfinite(x[i])) return false;
+    cholmod_sparse s = view(A);
+    if (!cholmod_factorize(&s, m.L, &m.common) || m.common.status != CHOLMOD_OK) return false;
+    if (m.L->minor < static_cast<std::size_t>(m.rows)) return false;
+  }
+  m.factored = true;
+  return true;
+}
+
+bool SparseCholesky::solve(const VertexMatrix& B, VertexMatrix& X) const {
+  Impl& m = *impl_;
+  if (!m.factored || B.rows() != m.rows) return false;
+  if (m.rows == 0) {
+    X.resize(0, 3);
+    return true;
+  }
+  const std::size_t n = static_cast<std::size_t>(m.rows);
+  m.columns.resize(3 * n);
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t k = 0; k < 3; ++k) m.columns[k * n + i] = B(static_cast<Eigen::Index>(i), k);
+  cholmod_dense b{};
+  b.nrow = n;
+  b.ncol = 3;
+  b.nzmax = 3 * n;
+  b.d = n;
+  b.x = m.columns.data();
+  b.xtype = CHOLMOD_REAL;
+  b.dtype = CHOLMOD_DOUBLE;
+  if (!cholmod_solve2(CHOLMOD_A, m.L, &b, nullptr, &m.X, nullptr, &m.Y, &m.E, &m.common)) return false;
+  X.resize(m.rows, 3);
+  const double* x = static_cast<const double*>(m.X->x);
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t k = 0; k < 3; ++k) X(static_cast<Eigen::Index>(i), k) = x[k * m.X->d + i];
+  return true;
+}
+
+double SparseCholesky::factor_entries() const { return impl_->common.lnz; }
+
+void multiply(const SymmetricMatrix& A, const VertexMatrix& x, VertexMatrix& y) {
+  y.setZero(A.rows(), 3);
+  for (int c = 0; c < A.outerSize(); ++c) {
+    const double x0 = x(c, 0), x1 = x(c, 1), x2 = x(c, 2);
+    double y0 = 0, y1 = 0, y2 = 0;
+    for (SymmetricMatrix::InnerIterator it(A, c); it; ++it) {
+      const int r = it.row();
+      const double a = it.value();
+      y(r, 0) += a * x0, y(r, 1) += a * x1, y(r, 2) += a * x2;
+      if (r != c) y0 += a * x(r, 0), y1 += a * x(r, 1), y2 += a * x(r, 2);
+    }
+    y(c, 0) += y0, y(c, 1) += y1, y(c, 2) += y2;
+  }
+}
+
+}  // namespace overtet

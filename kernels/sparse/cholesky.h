@@ -1,0 +1,63 @@
+// Sparse Cholesky factors of symmetric positive definite matrices: analyse the pattern once, factor as
+// often as the values change, solve for three coordinates at a time. The only room that names CHOLMOD.
+//
+// Everything runs in one thread: at the sizes of this program (10^3 to 10^6 rows, surfaces) the factor
+// is too thin to feed several, the callers have other work for the cores, and a threaded BLAS under
+// several callers oversubscribes the machine (SuiteSparse issues 34 and 92). Results are the same bytes
+// on every run. Different objects may be used from different threads at the same time.
+//
+//   SparseCholesky factor;
+//   factor.analyze(Q);                    // once per pattern
+//   if (!factor.factor(Q)) ...            // not positive definite (or not finite)
+//   factor.solve(B, X);                   // X = Q^-1 B
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <memory>
+
+#include "overtet/types.h"
+
+namespace overtet {
+
+// Symmetric: only the lower triangle (row >= column) is stored, columns compressed, rows sorted.
+using SymmetricMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
+
+struct CholeskyOptions {
+  // Fill-reducing order. amd: fast to compute, as good as nested dissection on surface meshes of this
+  // size; metis: six times the analysis for less fill on large volume meshes.
+  enum class Ordering { amd, metis, natural } ordering = Ordering::amd;
+  // simplicial: no BLAS, the better choice on surfaces (solves 1.8 times faster at 86k faces);
+  // supernodal: dense blocks, for volume meshes; automatic: CHOLMOD chooses by the work estimate.
+  enum class Method { simplicial, supernodal, automatic } method = Method::simplicial;
+};
+
+class SparseCholesky {
+ public:
+  explicit SparseCholesky(const CholeskyOptions& options = {});
+  ~SparseCholesky();
+  SparseCholesky(SparseCholesky&&) noexcept;
+  SparseCholesky& operator=(SparseCholesky&&) noexcept;
+
+  // Chooses the elimination order and the pattern of the factor. Values are not read.
+  // False: out of memory, or A is not square and compressed. A 0 x 0 matrix is fine.
+  bool analyze(const SymmetricMatrix& A);
+
+  // pre: analyze was called with the same pattern. False: not positive definite, or not finite.
+  bool factor(const SymmetricMatrix& A);
+
+  // X = A^-1 B. pre: factor returned true; B has A's number of rows. X may be B.
+  // False: out of memory.
+  bool solve(const VertexMatrix& B, VertexMatrix& X) const;
+
+  // Entries of the factor after the last analysis (for reports and memory estimates).
+  double factor_entries() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// y = A x for a matrix stored as its lower triangle. Deterministic, one thread.
+void multiply(const SymmetricMatrix& A, const VertexMatrix& x, VertexMatrix& y);
+
+}  // namespace overtet
