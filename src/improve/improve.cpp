@@ -1,0 +1,149 @@
+#include "src/improve/improve.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "src/tet_complex/local_operations.h"
+
+namespace overtet {
+
+namespace {
+
+// How many tets are worked on between two looks at the clock.
+constexpr int kPollEvery = 64;
+// A pass that leaves more than this part of the bad tets calls for stronger means.
+constexpr double kSlow = 0.9;
+// Sines below this are hopeless for a while: thin layers grow by a factor per pass, they get more passes.
+constexpr double kThin = 1e-3;
+constexpr int kExtraPassesForThin = 40;
+
+DihedralStatistics statistics(const TetComplex& mesh) {
+  const TetMesh plain = mesh.to_mesh(0);
+  return dihedral_statistics(plain.V, plain.T);
+}
+
+struct Bad {
+  double quality;
+  Index tet;
+  TetComplex::Tet corners;  // to see whether the number has been reused since
+};
+
+}  // namespace
+
+Status ImproveOptions::validate() const {
+  if (!(target_degrees > 0 && target_degrees <= 40))
+    return Error{ErrorCode::usage, "The target angle must lie between 0 and 40 degrees."};
+  if (passes < 0) return Error{ErrorCode::usage, "The number of passes must not be negative."};
+  if (!(seconds >= 0)) return Error{ErrorCode::usage, "The time for the quality pass must not be negative."};
+  return success();
+}
+
+Result<ImproveResult> improve(TetComplex& mesh, const ImproveOptions& options, const RunContext& context) {
+  if (auto status = options.validate(); !status.ok()) return status.error();
+  if (auto error = context.stop()) return *error;
+  const auto begin = RunContext::Clock::now();
+  const auto since = [](RunContext::Clock::time_point t) {
+    return std::chrono::duration<double>(RunContext::Clock::now() - t).count();
+  };
+  const double budget = std::min(options.seconds, 0.5 * context.seconds_left());
+  const double target = std::sin(options.target_degrees * M_PI / 180);
+
+  ImproveResult result;
+  result.before = statistics(mesh);
+  LocalOperations work(mesh);
+
+  const auto gather = [&](double below) {
+    std::vector<Bad> bad;
+    for (Index t = 0; t < mesh.tet_capacity(); ++t)
+      if (mesh.alive(t) && work.quality(t) < below) bad.push_back({work.quality(t), t, mesh.tet(t)});
+    std::sort(bad.begin(), bad.end(), [](const Bad& x, const Bad& y) {
+      return x.quality != y.quality ? x.quality < y.quality : x.tet < y.tet;
+    });
+    return bad;
+  };
+  const auto still = [&](const Bad& b) {
+    return mesh.alive(b.tet) && mesh.tet(b.tet) == b.corners && work.quality(b.tet) < target;
+  };
+
+  static constexpr int kEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+  bool strong = false;  // collapses and insertions as well
+  std::int64_t weight_before = -1;
+  int extra = 0;
+  result.end = ImproveResult::End::passes_done;
+  for (int pass = 0; pass < options.passes + extra; ++pass) {
+    const auto pass_begin = RunContext::Clock::now();
+    std::vector<Bad> bad = gather(target);
+    ImprovePass record;
+    record.bad = static_cast<std::int64_t>(bad.size());
+    if (bad.empty()) {
+      result.end = ImproveResult::End::target_reached;
+      break;
+    }
+    record.worst_sine = bad.front().quality;
+    if (bad.front().quality < kThin && extra < kExtraPassesForThin) ++extra;
+    context.report("improve", double(pass) / (options.passes + extra),
+                   std::to_string(bad.size()) + " tets below " + std::to_string(int(options.target_degrees)) + " degrees");
+
+    int count = 0;
+    for (const Bad& b : bad) {
+      if (++count % kPollEvery == 0) {
+        if (context.cancel && context.stop()) return *context.stop();
+        if (since(begin) > budget) {
+          result.end = ImproveResult::End::time_over;
+          break;
+        }
+      }
+      if (!still(b)) continue;
+      const auto c = b.corners;
+      bool done = false;
+      for (const auto& e : kEdges) {
+        if (done) break;
+        if (work.fixed(c[e[0]]) && work.fixed(c[e[1]]) && mesh.edge_on_boundary(c[e[0]], c[e[1]])) continue;
+        if (work.remove_edge(b.tet, c[e[0]], c[e[1]])) {
+          ++record.removed_edges;
+          done = true;
+        }
+      }
+      for (int k = 0; k < 4 && !done; ++k)
+        if (work.flip_23(b.tet, k)) {
+          ++record.flips;
+          done = true;
+        }
+      if (done) continue;
+      for (const Index v : c)
+        if (still(b) && work.smooth(v)) ++record.smoothed;
+      if (!strong || !still(b)) continue;
+      for (const auto& e : kEdges) {
+        if (done) break;
+        if (work.collapse(c[e[0]], c[e[1]]) || work.collapse(c[e[1]], c[e[0]])) {
+          ++record.collapsed;
+          done = true;
+        }
+      }
+      if (done || !options.insert_vertices) continue;
+      for (const auto& e : kEdges) {
+        if (done) break;
+        if (work.insert_at_edge(b.tet, c[e[0]], c[e[1]])) done = true;
+      }
+      if (!done) done = work.insert_at_tet(b.tet);
+      if (done) ++record.inserted;
+    }
+    record.seconds = since(pass_begin);
+    result.passes.push_back(record);
+    if (result.end == ImproveResult::End::time_over) break;
+    const std::int64_t changes =
+        record.removed_edges + record.flips + record.smoothed + record.collapsed + record.inserted;
+    const bool slow = weight_before >= 0 && double(record.bad) > kSlow * double(weight_before);
+    weight_before = record.bad;
+    if (strong && changes == 0) {
+      result.end = ImproveResult::End::no_progress;
+      break;
+    }
+    if (slow || changes == 0) strong = true;
+  }
+  result.after = statistics(mesh);
+  result.seconds = since(begin);
+  return result;
+}
+
+}  // namespace overtet

@@ -1,0 +1,106 @@
+// Small changes of a tet mesh inside its boundary: flips, edge removal, splits, collapses, insertions and
+// smoothing, each done only when it keeps everything that must be kept.
+//
+// Guaranteed for every operation that returns true (and nothing changes when it returns false):
+//  1. Every new or moved tet is exactly positive.
+//  2. Boundary faces, boundary edges and boundary vertices stay as they are, to the last bit.
+//  3. The complex stays a 3-manifold with boundary; no two edges get the same end vertices, no two faces
+//     the same corners.
+//  4. The tets around every interior edge still make one turn, if they did before. Why: every cavity here
+//     is the star of an interior vertex, the ring of an interior edge, two tets with a common face, or a
+//     grown cavity whose boundary is seen from the new vertex under exactly 4 pi. Such a cavity is embedded
+//     (one turn around its inner edges and positive tets make the map of the vertex's link to the sphere a
+//     covering of degree one). Old and new tets have the same boundary, hence the same degree at every
+//     point; all positive, they cover every point of the cavity once. So the angle at each edge of the
+//     cavity's boundary is the same before and after, also where that edge is a hinge of more than one turn.
+//  5. With a criterion: the worst tet among those replaced gets better.
+//
+// The mesh may overlap itself: nothing here searches by position.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "src/tet_complex/tet_complex.h"
+
+namespace overtet {
+
+class LocalOperations {
+ public:
+  // Works on `mesh`, which must stay alive and must not be changed by others meanwhile.
+  // pre: every tet is positive.
+  explicit LocalOperations(TetComplex& mesh);
+
+  const TetComplex& mesh() const { return mesh_; }
+  double quality(Index t) const { return quality_[t]; }    // min_dihedral_sine
+  bool fixed(Index v) const { return fixed_[v] != 0; }     // on the boundary (or pinned)
+  void pin(Index v) { fixed_[v] = 1; }                     // treat an interior vertex like a boundary one
+  // New or changed tets of the last operation that returned true.
+  const std::vector<Index>& changed() const { return changed_; }
+  // When false, no operation makes an interior edge between two fixed vertices. Default: allowed.
+  void allow_fixed_chords(bool allowed) { fixed_chords_ = allowed; }
+
+  // A new vertex on the interior edge a-b, at p. No criterion; false when a tet would not be positive or
+  // the edge is not an interior one.
+  bool split_edge(Index a, Index b, const Eigen::Vector3d& p);
+  // A new vertex inside face k of t (two tets), or inside t. No criterion.
+  bool split_face(Index t, int k, const Eigen::Vector3d& p);
+  bool split_tet(Index t, const Eigen::Vector3d& p);
+
+  // Two tets with a common face become three around a new edge. Must improve the worst of the two.
+  bool flip_23(Index t, int k);
+  // Removes the interior edge a-b of t by the best triangulation of its ring (3-2, 4-4, ...; rings of up to
+  // kLargestRing tets, dynamic programming after Klincsek). Must improve the worst tet of the ring.
+  bool remove_edge(Index t, Index a, Index b);
+  // Contracts the edge between the free vertex v and w; v goes to where w is. Must improve the worst tet
+  // of v's star, or reach at least `enough` in every new tet.
+  bool collapse(Index v, Index w, double enough = 1e9);
+  // A new vertex with every face of the edge's ring / the face's two tets / the tet itself, placed by
+  // optimisation; the cavity is grown over bad neighbours first. Must improve the worst tet of the cavity.
+  bool insert_at_edge(Index t, Index a, Index b);
+  bool insert_at_tet(Index t);
+
+  // Moves the free vertex v so that the worst tet of its star gets better by at least a thousandth.
+  bool smooth(Index v);
+  // The same towards a given place: the best of a few points on the way. Must improve the worst.
+  bool move_towards(Index v, const Eigen::Vector3d& target);
+
+  static constexpr int kLargestRing = 10;
+
+ private:
+  using Tets = std::vector<Index>;
+  using Face = std::array<Index, 3>;  // (face, x) is positive for the vertex x that sees it
+  struct Base {                       // where a face's corners are
+    Eigen::Vector3d a, b, c;
+  };
+
+  // Replaces and keeps the tables; pre: every added tet is positive.
+  void commit(const Tets& removed);
+  double worst(const Tets& tets) const;
+  double quality_of(Index a, Index b, Index c, Index d) const;
+  Face inner_face(Index t, int k) const;
+  void load_bases();  // bases_ from faces_
+  // The worst tet that x makes with bases_; stops (with some value <= stop) when it is not above stop.
+  double quality_at(const Eigen::Vector3d& x, double stop);
+  // Climbs from x, whose quality is q; returns the quality reached. x changes only for the better.
+  double optimise(Eigen::Vector3d& x, double q, int rounds);
+  // Replaces the cavity (grown first) by a new vertex that sees its faces; starts looking at `start`.
+  bool insert(Tets& cavity, const Eigen::Vector3d& start);
+  bool hull_of(const Tets& cavity, std::vector<Face>& hull);  // false: not a ball with free inside vertices
+  bool star_of_free(Index v);                                 // star_ and faces_; false when v is fixed
+
+  TetComplex& mesh_;
+  std::vector<double> quality_;
+  std::vector<char> fixed_;
+  bool fixed_chords_ = true;
+  Tets changed_, ring_, star_, other_star_, link_, cavity_;
+  std::vector<TetComplex::Tet> added_;
+  std::vector<Face> faces_, hull_, grown_hull_;
+  std::vector<Base> bases_;
+  std::vector<std::uint32_t> vertex_mark_, tet_mark_;
+  std::uint32_t vertex_stamp_ = 0, tet_stamp_ = 0;
+};
+
+}  // namespace overtet
