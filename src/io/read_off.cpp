@@ -58,6 +58,8 @@ Result<Polygons> parse_off(std::string_view name, std::string_view bytes, Surfac
           name, "the file ends after " + std::to_string(f) + " of " + std::to_string(faces) + " faces");
     std::int64_t size = 0;
     if (!in.integer(size, which)) return in.error();
+    if (size >= 3 && size < 1000 && size > static_cast<std::int64_t>(in.bytes_left()))
+      return malformed(name, "the file ends inside face " + std::to_string(f));
     if (size < 3 || size > static_cast<std::int64_t>(in.bytes_left())) {
       in.fail("a face cannot have " + std::to_string(size) + " corners (" + which() + ")");
       return in.error();

@@ -175,7 +175,10 @@ Status read_body(Source& in, const std::vector<Element>& elements, Polygons& out
         }
         if (!in.next(p.count_type, x)) return in.error;
         if (!(x >= 0) || x != std::floor(x) || x > static_cast<double>(in.bytes_left())) {
-          in.fail("a list cannot have " + std::to_string(x) + " entries (" + in.which() + ")");
+          if (x >= 0 && x < 1000)
+            in.fail("the file ends inside " + in.which());
+          else
+            in.fail("a list cannot be that long (" + in.which() + ")");
           return in.error;
         }
         const auto size = static_cast<Index>(x);

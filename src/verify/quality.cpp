@@ -1,0 +1,59 @@
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "kernels/parallel/parallel.h"
+#include "src/verify/verify.h"
+
+namespace overtet {
+
+TetQuality tet_quality(const TetMesh& mesh) {
+  constexpr std::int64_t kGrain = 1 << 14;
+  TetQuality q;
+  q.tets = mesh.T.rows();
+  if (q.tets == 0) return q;
+  // Cosines of the angles: they sort like the angles (backwards) and cost no trigonometry.
+  std::vector<float> cosines(6 * static_cast<std::size_t>(q.tets));
+  struct Extremes {
+    double low = 1, high = -1, volume = 0;
+  };
+  const auto block = [&](std::int64_t begin, std::int64_t end) {
+    Extremes x;
+    for (std::int64_t t = begin; t < end; ++t) {
+      Eigen::Vector3d p[4], n[4];
+      for (int k = 0; k < 4; ++k) p[k] = mesh.V.row(mesh.T(t, k));
+      n[0] = (p[3] - p[1]).cross(p[2] - p[1]);
+      n[1] = (p[2] - p[0]).cross(p[3] - p[0]);
+      n[2] = (p[3] - p[0]).cross(p[1] - p[0]);
+      n[3] = (p[1] - p[0]).cross(p[2] - p[0]);
+      x.volume += (p[3] - p[0]).dot(n[3]) / 6;
+      for (Eigen::Vector3d& m : n) m /= m.norm();
+      std::size_t at = 6 * static_cast<std::size_t>(t);
+      for (int i = 0; i < 4; ++i)
+        for (int j = i + 1; j < 4; ++j) {
+          const double c = std::clamp(-n[i].dot(n[j]), -1.0, 1.0);
+          cosines[at++] = std::isfinite(c) ? static_cast<float>(c) : 1.0F;
+          if (!std::isfinite(c)) continue;
+          x.low = std::min(x.low, c);
+          x.high = std::max(x.high, c);
+        }
+    }
+    return x;
+  };
+  const Extremes all = parallel_reduce(q.tets, kGrain, Extremes{}, block, [](Extremes a, const Extremes& b) {
+    return Extremes{std::min(a.low, b.low), std::max(a.high, b.high), a.volume + b.volume};
+  });
+  const auto degrees = [](double cosine) { return std::acos(cosine) * 180 / std::numbers::pi; };
+  const auto first_percent =
+      cosines.begin() + static_cast<std::ptrdiff_t>(cosines.size() - 1 - cosines.size() / 100);
+  std::nth_element(cosines.begin(), first_percent, cosines.end());
+  q.dihedral_p01 = degrees(*first_percent);
+  q.dihedral_min = degrees(all.high);
+  q.dihedral_max = degrees(all.low);
+  q.volume = all.volume;
+  return q;
+}
+
+}  // namespace overtet
