@@ -1,0 +1,238 @@
+#include "kernels/contact/contact.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "kernels/parallel/parallel.h"
+#include "kernels/predicates/predicates.h"
+
+namespace overtet {
+
+namespace {
+
+constexpr std::int64_t kFaceGrain = 1024;
+constexpr std::int64_t kPairGrain = 256;
+
+Box box_of_face(const VertexMatrix& X, const TriangleMatrix& F, Index f) {
+  Box box;
+  for (int k = 0; k < 3; ++k) {
+    const double a = X(F(f, 0), k), b = X(F(f, 1), k), c = X(F(f, 2), k);
+    box.low[k] = std::min({a, b, c});
+    box.high[k] = std::max({a, b, c});
+  }
+  return box;
+}
+
+std::array<Eigen::Vector3d, 4> corners(const VertexMatrix& X, const std::array<Index, 4>& v) {
+  return {X.row(v[0]).transpose(), X.row(v[1]).transpose(), X.row(v[2]).transpose(), X.row(v[3]).transpose()};
+}
+
+// Boxes of the two parts of a primitive pair on the way from X to Y.
+bool sweeps_overlap(PairKind kind, const std::array<Index, 4>& v, const VertexMatrix& X,
+                    const VertexMatrix& Y) {
+  const int split = kind == PairKind::vertex_triangle ? 1 : 2;
+  for (int k = 0; k < 3; ++k) {
+    double low[2], high[2];
+    for (int part = 0; part < 2; ++part) {
+      const int begin = part == 0 ? 0 : split, end = part == 0 ? split : 4;
+      low[part] = high[part] = X(v[begin], k);
+      for (int i = begin; i < end; ++i) {
+        low[part] = std::min({low[part], X(v[i], k), Y(v[i], k)});
+        high[part] = std::max({high[part], X(v[i], k), Y(v[i], k)});
+      }
+    }
+    if (low[0] > high[1] || low[1] > high[0]) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+ContactMesh::ContactMesh(const VertexMatrix& X, const TriangleMatrix& F, const std::vector<char>& free)
+    : ContactMesh(X, F, free, VertexMatrix(), Eigen::VectorXd(), {}) {}
+
+ContactMesh::ContactMesh(const VertexMatrix& X, const TriangleMatrix& F, const std::vector<char>& free,
+                         const VertexMatrix& rest, const Eigen::VectorXd& h, const ContactRule& rule)
+    : F_(F), free_(free), rest_(rest), h_(h), rule_(rule) {
+  const Index vertices = static_cast<Index>(X.rows()), faces = static_cast<Index>(F.rows());
+  std::vector<std::pair<Index, Index>> edges;
+  edges.reserve(6 * static_cast<std::size_t>(faces));
+  for (Index f = 0; f < faces; ++f)
+    for (int k = 0; k < 3; ++k) {
+      edges.emplace_back(F(f, k), F(f, (k + 1) % 3));
+      edges.emplace_back(F(f, (k + 1) % 3), F(f, k));
+    }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  ring_begin_.assign(static_cast<std::size_t>(vertices) + 1, 0);
+  ring_.reserve(edges.size());
+  for (const auto& [a, b] : edges) {
+    ++ring_begin_[a + 1];
+    ring_.push_back(b);
+  }
+  for (Index v = 0; v < vertices; ++v) ring_begin_[v + 1] += ring_begin_[v];
+
+  owns_.assign(static_cast<std::size_t>(faces), 0);
+  std::vector<char> vertex_taken(static_cast<std::size_t>(vertices), 0), edge_taken(ring_.size(), 0);
+  for (Index f = 0; f < faces; ++f) {
+    bool any_free = false;
+    for (int k = 0; k < 3; ++k) {
+      any_free = any_free || free_[F(f, k)];
+      if (!std::exchange(vertex_taken[F(f, k)], 1)) owns_[f] |= static_cast<unsigned char>(1 << k);
+      const Index a = std::min(F(f, (k + 1) % 3), F(f, (k + 2) % 3)),
+                  b = std::max(F(f, (k + 1) % 3), F(f, (k + 2) % 3));
+      const auto at = std::lower_bound(ring_.begin() + ring_begin_[a], ring_.begin() + ring_begin_[a + 1], b);
+      if (!std::exchange(edge_taken[at - ring_.begin()], 1)) owns_[f] |= static_cast<unsigned char>(8 << k);
+    }
+    (any_free ? free_faces_ : frozen_faces_).push_back(f);
+  }
+
+  std::vector<Box> boxes(frozen_faces_.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    boxes[i] = box_of_face(X, F_, frozen_faces_[i]);
+    boxes[i].grow(margin(frozen_faces_[i]));
+  }
+  frozen_tree_.build(boxes);
+  boxes_.resize(free_faces_.size());
+  for (std::size_t i = 0; i < boxes_.size(); ++i) boxes_[i] = box_of_face(X, F_, free_faces_[i]);
+  free_tree_.build(boxes_);
+}
+
+bool ContactMesh::adjacent(Index a, Index b) const {
+  return std::binary_search(ring_.begin() + ring_begin_[a], ring_.begin() + ring_begin_[a + 1], b);
+}
+
+// Half of the largest dhat of any pair of this face: two grown boxes overlap when the pair is in reach.
+double ContactMesh::margin(Index face) const {
+  if (h_.size() == 0) return 0;
+  const double h = std::max({h_[F_(face, 0)], h_[F_(face, 1)], h_[F_(face, 2)]});
+  return 0.5 * std::max(rule_.reach, rule_.ring_floor) * h;
+}
+
+template <class BoxOf>
+std::vector<IndexPair> ContactMesh::candidates(const BoxOf& box_of) {
+  parallel_for(static_cast<std::int64_t>(free_faces_.size()), kFaceGrain,
+               [&](std::int64_t begin, std::int64_t end) {
+                 for (std::int64_t i = begin; i < end; ++i) boxes_[i] = box_of(free_faces_[i]);
+               });
+  free_tree_.refit(boxes_);
+  std::vector<IndexPair> pairs = free_tree_.self_pairs();
+  for (IndexPair& p : pairs) p = {free_faces_[p.a], free_faces_[p.b]};
+  std::vector<IndexPair> mixed = free_tree_.pairs_with(frozen_tree_);
+  for (IndexPair& p : mixed) p = {free_faces_[p.a], frozen_faces_[p.b]};
+  pairs.insert(pairs.end(), mixed.begin(), mixed.end());
+  return pairs;
+}
+
+template <class Visit>
+void ContactMesh::primitives(const IndexPair& faces, Visit&& visit) const {
+  const auto corner = [&](Index f, int k) { return F_(f, k % 3); };
+  for (const auto& [f, g] : {std::pair{faces.a, faces.b}, std::pair{faces.b, faces.a}}) {
+    const Index a = F_(g, 0), b = F_(g, 1), c = F_(g, 2);
+    for (int k = 0; k < 3; ++k) {
+      if (!(owns_[f] >> k & 1)) continue;
+      const Index v = F_(f, k);
+      if (v == a || v == b || v == c) continue;
+      if (free_[v] || free_[a] || free_[b] || free_[c])
+        visit(PairKind::vertex_triangle, std::array{v, a, b, c});
+    }
+  }
+  for (int i = 0; i < 3; ++i) {
+    if (!(owns_[faces.a] >> (3 + i) & 1)) continue;
+    const Index a = corner(faces.a, i + 1), b = corner(faces.a, i + 2);
+    for (int j = 0; j < 3; ++j) {
+      if (!(owns_[faces.b] >> (3 + j) & 1)) continue;
+      const Index c = corner(faces.b, j + 1), d = corner(faces.b, j + 2);
+      if (a == c || a == d || b == c || b == d) continue;
+      if (free_[a] || free_[b] || free_[c] || free_[d]) visit(PairKind::edge_edge, std::array{a, b, c, d});
+    }
+  }
+}
+
+std::vector<Contact> ContactMesh::find_contacts(const VertexMatrix& X) {
+  const std::vector<IndexPair> pairs = candidates([&](Index f) {
+    Box box = box_of_face(X, F_, f);
+    box.grow(margin(f));
+    return box;
+  });
+  return parallel_collect<Contact>(
+      static_cast<std::int64_t>(pairs.size()), kPairGrain,
+      [&](std::int64_t begin, std::int64_t end, std::vector<Contact>& out) {
+        for (std::int64_t i = begin; i < end; ++i) {
+          primitives(pairs[i], [&](PairKind kind, const std::array<Index, 4>& v) {
+            const int split = kind == PairKind::vertex_triangle ? 1 : 2;
+            double h[2] = {0, 0};
+            for (int k = 0; k < 4; ++k) h[k < split ? 0 : 1] += h_[v[k]] / (k < split ? split : 4 - split);
+            const double mean_edge = std::min(h[0], h[1]);
+            const double reach = std::max(rule_.reach, rule_.ring_floor) * mean_edge;
+            for (int axis = 0; axis < 3; ++axis) {
+              double low[2], high[2];
+              for (int part = 0; part < 2; ++part) {
+                const int first = part == 0 ? 0 : split, last = part == 0 ? split : 4;
+                low[part] = high[part] = X(v[first], axis);
+                for (int k = first + 1; k < last; ++k) {
+                  low[part] = std::min(low[part], X(v[k], axis));
+                  high[part] = std::max(high[part], X(v[k], axis));
+                }
+              }
+              if (low[0] - high[1] >= reach || low[1] - high[0] >= reach) return;
+            }
+            const Closest closest = closest_points(kind, corners(X, v));
+            if (closest.distance >= reach) return;
+            double dhat = rule_.reach * mean_edge;
+            bool near = false;
+            for (int a = 0; a < split && !near; ++a)
+              for (int b = split; b < 4 && !near; ++b) near = adjacent(v[a], v[b]);
+            if (near) {
+              const double rest = closest_points(kind, corners(rest_, v)).distance;
+              dhat = std::max(std::min(dhat, rule_.ring_reach * rest), rule_.ring_floor * mean_edge);
+            }
+            if (closest.distance < dhat) out.push_back({v, kind, closest, dhat, mean_edge});
+          });
+        }
+      });
+}
+
+std::vector<IndexPair> ContactMesh::intersections(const VertexMatrix& X) {
+  const std::vector<IndexPair> pairs = candidates([&](Index f) { return box_of_face(X, F_, f); });
+  std::vector<IndexPair> found =
+      parallel_collect<IndexPair>(static_cast<std::int64_t>(pairs.size()), kPairGrain,
+                                  [&](std::int64_t begin, std::int64_t end, std::vector<IndexPair>& out) {
+                                    for (std::int64_t i = begin; i < end; ++i) {
+                                      const auto [f, g] = pairs[i];
+                                      if (faces_intersect(X.data(), F_.row(f).data(), F_.row(g).data()))
+                                        out.push_back({std::min(f, g), std::max(f, g)});
+                                    }
+                                  });
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+std::vector<ContactMesh::Hit> ContactMesh::check_step(const VertexMatrix& X, const VertexMatrix& P) {
+  const VertexMatrix Y = X + P;
+  const std::vector<IndexPair> pairs = candidates([&](Index f) {
+    Box box = box_of_face(X, F_, f);
+    box.include(box_of_face(Y, F_, f));
+    return box;
+  });
+  return parallel_collect<Hit>(static_cast<std::int64_t>(pairs.size()), kPairGrain,
+                               [&](std::int64_t begin, std::int64_t end, std::vector<Hit>& out) {
+                                 for (std::int64_t i = begin; i < end; ++i) {
+                                   const auto [f, g] = pairs[i];
+                                   primitives(pairs[i], [&](PairKind kind, const std::array<Index, 4>& v) {
+                                     if (!sweeps_overlap(kind, v, X, Y)) return;
+                                     const double safe = safe_step(kind, corners(X, v), corners(P, v));
+                                     if (safe < 1) out.push_back({v, safe});
+                                   });
+                                   if (box_of_face(Y, F_, f).overlaps(box_of_face(Y, F_, g)) &&
+                                       faces_intersect(Y.data(), F_.row(f).data(), F_.row(g).data())) {
+                                     // Both faces' corners in two records: every vertex that could help to
+                                     // part them.
+                                     out.push_back({{F_(f, 0), F_(f, 1), F_(f, 2), F_(g, 0)}, 0});
+                                     out.push_back({{F_(g, 0), F_(g, 1), F_(g, 2), F_(f, 0)}, 0});
+                                   }
+                                 }
+                               });
+}
+
+}  // namespace overtet
