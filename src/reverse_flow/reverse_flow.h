@@ -1,0 +1,130 @@
+// Reverse flow: gives the surface back its shape, from V_t* on, without ever passing through itself
+// (paper, sections 3 and 4).
+//
+// Rest shapes W: the stored states of the forward flow backwards and V0 last (staged, as in the paper), or
+// V0 alone (direct). For each W, with E the spokes-and-rims ARAP energy of W, iterate from U:
+//
+//   rotations    best fit of every vertex's one-ring (kernels/arap), in parallel;
+//   contacts     every vertex-triangle and edge-edge pair *without a common vertex* that is closer than
+//                dhat (kernels/contact);
+//   energy       E(U) + sum kappa h^2 b(d / dhat) + |U - U_before|^2_M / (2 eps^2), M relative to the area;
+//   step         P = -Q^-1 gradient, Q = L_W + M / eps^2 + sum kappa h^2 / dhat^2 b'' w w'. The contact part
+//                is a *scalar* positive matrix, the same for x, y and z: measured, it beats the
+//                true one (which is stiff along the normal only) in time and in quality;
+//   line search  where the step would hit something, halve it on a ramp of six rings around; then
+//                everywhere; at last hold the vertices concerned back (a roll-back).
+//
+// A step is accepted only when every primitive pair without a common vertex keeps a tenth of its distance on
+// the whole straight way (conservative continuous check: nothing tunnels, no knot changes) *and* the exact
+// test at the end finds no intersecting faces. Where the two could disagree, by rounding, exactness wins.
+//
+// Differences from the paper, because they measure better: pins and repulsion lock (a finger stays
+// collapsed; 9-29 s at 9.6k faces) where the barrier recovers within 1 % to 10 % of the area in a few
+// seconds; the direct way works on most models in a fraction of the staged time. The paper's parts are
+// there, each on its own: ContactResponse::pins, inertia, repulsion, staged rest shapes.
+//
+// How the stages chain: see forward_flow.h. After a result with `locked`, the caller tries the next
+// elements of the two ladders and keeps the U0 with the best `quality.area_p01`.
+//
+// Guaranteed when it returns a value:
+//  - U0 is finite and exactly free of self-intersections, and it is connected to the start by a motion
+//    that is free of them (up to the rounding of the continuous check), unless `aligned` moved it rigidly.
+//  - Vertices that were not free have their rest positions, bit for bit.
+//  - The same bytes on any number of threads.
+// Errors: bad_input (start not finite, or not free of intersections), limit, interrupted, internal. When
+// the time limit strikes, nothing is returned: a caller that prefers a worse U0 sets `max_seconds`.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "overtet/result.h"
+#include "overtet/run_context.h"
+#include "overtet/types.h"
+
+namespace overtet {
+
+struct ReverseFlowOptions {
+  enum class ContactResponse { barrier, pins };
+  ContactResponse response = ContactResponse::barrier;
+
+  bool staged = false;         // through the stored states, backwards; else straight to V0
+  int stage_iterations = 16;   // per stored state
+  int final_iterations = 100;  // at V0
+  double eps = 0.5;            // simulation time step; the mass of the whole surface is 1
+  bool inertia = false;        // (U - 2 U' + U'') / eps^2 as in the paper; else drag only
+
+  double kappa = 1;         // barrier stiffness
+  double reach = 0.4;       // dhat in local mean edges
+  double ring_reach = 0.5;  // one-ring neighbours: at most this part of their distance at rest,
+  double ring_floor = 0.1;  // at least so many mean edges
+
+  double repulsion = 0;      // paper: 1000; between barycentres of faces that would meet, next step
+  double repulsion_cap = 1;  // a force moves a free vertex at most so many mean edges
+
+  int ramp_rings = 6;  // the local halving fades out over so many rings
+  int ramp_halvings = 6;
+  int global_halvings = 4;
+  // Stop a stage when no vertex moves further than this part of its mean edge. Small on purpose: ARAP
+  // creeps, and stopping early was measured to be worse than iterating on.
+  double still = 1e-5;
+  bool align = true;         // if everything was free: the rigid motion that fits U0 to V0 best
+  double max_seconds = 1e9;  // stop iterating then and return what there is
+
+  // More vertices held back than this (summed over all steps): `locked`.
+  int locked_rollbacks = 0;
+  // Or a result worse than this.
+  double locked_area_p01 = 0.1;
+
+  Status validate() const;
+};
+
+// Everything as in the paper: staged, pins, dynamics, repulsion.
+ReverseFlowOptions paper_reverse_flow();
+// What to try in turn, element i after element i of forward_flow_ladder().
+std::vector<ReverseFlowOptions> reverse_flow_ladder();
+
+struct ReverseFlowStep {
+  int stage = 0;      // 0: the first rest shape
+  int iteration = 0;  // from 1
+  Index contacts = 0;
+  double energy = 0;  // ARAP, before the step, relative to the area
+  double move = 0;    // largest step of a vertex in mean edges, after the line search
+  int halvings = 0;   // of the line search, local and global
+  Index held = 0;     // vertices held back at last
+};
+
+// Ratios U0 / V0.
+struct FlowQuality {
+  double area_p01 = 1, area_p50 = 1, area_p99 = 1;  // of faces
+  double edge_p01 = 1, edge_p50 = 1, edge_p99 = 1;
+  double area_within_20 = 1;  // part of the faces whose ratio is in [0.8, 1.2]
+};
+FlowQuality measure_quality(const VertexMatrix& U, const VertexMatrix& V0, const TriangleMatrix& F);
+
+struct ReverseFlowResult {
+  enum class Termination { nothing_to_do, finished, time };
+  Termination termination = Termination::finished;
+  VertexMatrix U0;  // #V x 3, for the faces of the input
+  FlowQuality quality;
+  std::vector<ReverseFlowStep> steps;
+  int iterations = 0;
+  Index rollbacks = 0;  // sum of held
+  bool locked = false;  // try another way, if there is one
+  bool aligned = false;
+  double worst_face = 1;  // smallest area ratio of all faces
+};
+
+// surface: the input V0, F. start: V_t*, free of intersections. stages: the states V_t between V0 and
+// V_t*, in the order of the forward flow (used when options.staged). free: by vertex, who may move;
+// others are at V0 in start and in every stage.
+Result<ReverseFlowResult> reverse_flow(const Surface& surface, const VertexMatrix& start,
+                                       std::span<const VertexMatrix> stages, const std::vector<char>& free,
+                                       const ReverseFlowOptions& options, const RunContext& context);
+
+// What a caller may rely on, checked from scratch (one full exact intersection test).
+Status check_postconditions(const Surface& surface, const std::vector<char>& free,
+                            const ReverseFlowResult& result);
+
+}  // namespace overtet
