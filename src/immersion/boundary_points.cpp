@@ -1,0 +1,343 @@
+#include "src/immersion/boundary_points.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "kernels/predicates/predicates.h"
+
+namespace overtet {
+
+namespace {
+
+using Triple = std::array<Index, 3>;
+using Eigen::Vector3d;
+
+// A point is asked to move at most this share of the way to the other side of its star: the rest of the
+// neighbourhood needs room as well.
+constexpr double kReach = 0.5;
+
+// Rounds over the points that resist; after each, their neighbours have moved.
+constexpr int kRounds = 8;
+
+Triple sorted(Triple t) {
+  std::sort(t.begin(), t.end());
+  return t;
+}
+
+class Clearer {
+ public:
+  Clearer(const Surface& surface, TetComplex& complex, const std::vector<Triple>& boundary,
+          const std::vector<Index>& face, const RunContext& context)
+      : surface_(surface), complex_(complex), context_(context) {
+    const Index n = static_cast<Index>(surface.V.rows());
+    std::set<Index> points;
+    for (std::size_t i = 0; i < boundary.size(); ++i)
+      for (const Index v : boundary[i])
+        if (v >= n) points.insert(v);
+    for (std::size_t i = 0; i < boundary.size(); ++i) label_[sorted(boundary[i])] = face[i];
+    queue_.assign(points.begin(), points.end());
+  }
+
+  BoundaryPointsResult run() {
+    result_.smallest_clearance = queue_.empty() ? 0 : std::numeric_limits<double>::infinity();
+    for (int round = 0; round < kRounds && !queue_.empty(); ++round) {
+      std::vector<Index> left;
+      for (const Index v : queue_) {
+        if (context_.stop()) {
+          left.push_back(v);
+          continue;
+        }
+        if (clear(v)) continue;
+        make_room(v);
+        if (!clear(v)) left.push_back(v);
+      }
+      const bool stuck = left.size() == queue_.size();
+      queue_ = std::move(left);
+      if (stuck && round > 1) break;
+    }
+    result_.left = queue_;
+    if (!std::isfinite(result_.smallest_clearance)) result_.smallest_clearance = 0;
+    return result_;
+  }
+
+ private:
+  const double* at(Index v) const { return complex_.position(v).data(); }
+
+  // A half-space of the points on the inner side of an outward-facing... inner side of triangle (a, b, c).
+  struct HalfSpace {
+    Vector3d normal;  // unit, inward
+    Vector3d origin;
+    double distance(const Vector3d& x) const { return normal.dot(x - origin); }
+  };
+
+  static bool half_space(const Vector3d& a, const Vector3d& b, const Vector3d& c, HalfSpace& out) {
+    const Vector3d n = (b - a).cross(c - a);
+    const double length = n.norm();
+    if (!(length > 0)) return false;
+    out = {n / length, a};
+    return true;
+  }
+
+  // The faces opposite to v in its star, turned so that v lies on their positive side.
+  void find_walls(Index v, std::vector<Triple>& walls) {
+    static constexpr int kInward[4][3] = {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}};
+    complex_.star(v, star_);
+    walls.clear();
+    for (const Index t : star_) {
+      const auto& tet = complex_.tet(t);
+      const int* k = kInward[complex_.corner(t, v)];
+      walls.push_back({tet[k[0]], tet[k[1]], tet[k[2]]});
+    }
+  }
+
+  // Moves the interior neighbours of v to roomier places, so that v finds room itself.
+  void make_room(Index v) {
+    std::vector<Index> neighbours;
+    complex_.star(v, star_);
+    for (const Index t : star_)
+      for (const Index u : complex_.tet(t))
+        if (u != v) neighbours.push_back(u);
+    std::sort(neighbours.begin(), neighbours.end());
+    neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
+    std::vector<Triple> walls;
+    for (const Index u : neighbours) {
+      if (complex_.on_boundary(u)) continue;
+      find_walls(u, walls);
+      Vector3d target;
+      if (find_position(u, walls, target)) complex_.move(u, target);
+    }
+  }
+
+  bool clear(Index v) {
+    std::vector<Triple> walls;
+    find_walls(v, walls);
+    std::map<Index, std::pair<Index, Index>> next;  // ring vertex -> (next ring vertex, face)
+    for (const Index t : star_) {
+      const auto& tet = complex_.tet(t);
+      const int k = complex_.corner(t, v);
+      for (int j = 0; j < 4; ++j) {
+        if (j == k || complex_.neighbour(t, j) >= 0) continue;
+        // Outward boundary face of t opposite to j, rotated to start at v.
+        static constexpr int kOutward[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+        Triple f{tet[kOutward[j][0]], tet[kOutward[j][1]], tet[kOutward[j][2]]};
+        while (f[0] != v) std::rotate(f.begin(), f.begin() + 1, f.end());
+        const auto label = label_.find(sorted(f));
+        if (label == label_.end() || !next.try_emplace(f[1], f[2], label->second).second) return false;
+      }
+    }
+    if (next.size() < 3) return next.empty();
+    std::vector<Index> ring{next.begin()->first};
+    std::vector<Index> face;
+    for (;;) {
+      const auto it = next.find(ring.back());
+      if (it == next.end()) return false;
+      face.push_back(it->second.second);
+      if (it->second.first == ring.front()) break;
+      ring.push_back(it->second.first);
+      if (ring.size() > next.size()) return false;
+    }
+    if (ring.size() != next.size()) return false;
+
+    // Start where the face changes, if it does: then each face's part of the ring is contiguous.
+    const std::size_t n = ring.size();
+    std::size_t start = 0;
+    int changes = 0;
+    for (std::size_t i = 0; i < n; ++i)
+      if (face[i] != face[(i + n - 1) % n]) start = i, ++changes;
+    if (changes != 0 && changes != 2) return false;
+    std::rotate(ring.begin(), ring.begin() + start, ring.end());
+    std::rotate(face.begin(), face.begin() + start, face.end());
+    std::vector<Triple> caps;
+    std::vector<Index> cap_face;
+    if (changes == 0) {
+      if (!triangulate(ring, face[0], ring, caps)) return false;
+      cap_face.assign(caps.size(), face[0]);
+    } else {
+      std::size_t split = 1;
+      while (face[split] == face[0]) ++split;
+      std::vector<Index> first(ring.begin(), ring.begin() + split + 1), second(ring.begin() + split, ring.end());
+      second.push_back(ring[0]);
+      // The edge between the two parts becomes an edge of the boundary: no other edge may have its ends.
+      if (complex_.has_edge(ring[0], ring[split]) && !split_edge(ring[0], ring[split])) return false;
+      if (complex_.has_edge(ring[0], ring[split])) return false;
+      if (!triangulate(first, face[0], ring, caps)) return false;
+      cap_face.assign(caps.size(), face[0]);
+      if (!triangulate(second, face[split], ring, caps)) return false;
+      cap_face.resize(caps.size(), face[split]);
+    }
+    find_walls(v, walls);  // splitting edges may have changed the star
+    // Outward caps seen from inside turn the other way.
+    std::vector<Triple> sides = walls;
+    for (const Triple& c : caps) sides.push_back({c[0], c[2], c[1]});
+    Vector3d target;
+    if (!find_position(v, sides, target)) return false;
+
+    for (std::size_t i = 0; i < n; ++i) label_.erase(sorted({v, ring[i], ring[(i + 1) % n]}));
+    complex_.move(v, target);
+    // The star is replaced by itself and the caps, so that the caps find their neighbours in it.
+    std::vector<TetComplex::Tet> tets;
+    for (const Index t : star_) tets.push_back(complex_.tet(t));
+    for (const Triple& c : caps) tets.push_back({c[0], c[2], c[1], v});
+    complex_.replace(star_, tets);
+    for (std::size_t i = 0; i < caps.size(); ++i) label_[sorted(caps[i])] = cap_face[i];
+    ++result_.removed;
+    return true;
+  }
+
+  // Halves an interior edge; false on the boundary or where a half would not be exactly positive.
+  bool split_edge(Index a, Index b) {
+    if (complex_.edge_on_boundary(a, b)) return false;
+    std::vector<Index> around;
+    complex_.ring(a, b, around);
+    const Vector3d middle = 0.5 * (complex_.position(a) + complex_.position(b));
+    const Index m = complex_.add_vertex(middle);
+    std::vector<TetComplex::Tet> halves;
+    for (const Index t : around)
+      for (const Index end : {a, b}) {
+        auto tet = complex_.tet(t);
+        std::replace(tet.begin(), tet.end(), end, m);
+        if (orient3d(at(tet[0]), at(tet[1]), at(tet[2]), at(tet[3])) <= 0) return false;
+        halves.push_back(tet);
+      }
+    complex_.replace(around, halves);
+    ++result_.refined_edges;
+    return true;
+  }
+
+  // Triangulates a flat ring (counter-clockwise seen from outside) in the plane of an input face, with the
+  // best worst triangle; new edges must not exist in the complex yet.
+  bool triangulate(const std::vector<Index>& polygon, Index face, const std::vector<Index>& ring,
+                   std::vector<Triple>& out) {
+    const std::size_t n = polygon.size();
+    if (n < 3) return false;
+    const Vector3d a = surface_.V.row(surface_.F(face, 0)), b = surface_.V.row(surface_.F(face, 1)),
+                   c = surface_.V.row(surface_.F(face, 2));
+    const Vector3d normal = (b - a).cross(c - a).normalized();
+    const auto quality = [&](Index p, Index q, Index r) {
+      const Vector3d x = complex_.position(p), y = complex_.position(q), z = complex_.position(r);
+      const double longest = std::max({(y - x).squaredNorm(), (z - y).squaredNorm(), (x - z).squaredNorm()});
+      return (y - x).cross(z - x).dot(normal) / longest;
+    };
+    const auto adjacent = [&](std::size_t i, std::size_t j) {
+      const auto p = std::find(ring.begin(), ring.end(), polygon[i]) - ring.begin();
+      const auto q = std::find(ring.begin(), ring.end(), polygon[j]) - ring.begin();
+      const auto m = static_cast<std::ptrdiff_t>(ring.size());
+      return (p + 1) % m == q || (q + 1) % m == p;
+    };
+    std::vector<char> allowed(n * n, 1);
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = i + 2; j < n; ++j)
+        if (!(i == 0 && j == n - 1) && complex_.has_edge(polygon[i], polygon[j])) {
+          // Two neighbours of v that are joined elsewhere: make room if that can be done.
+          allowed[i * n + j] = !adjacent(i, j) && split_edge(polygon[i], polygon[j]);
+        }
+    // best[i][j]: the best worst quality of the part from i to j.
+    constexpr double kNone = -1e300;
+    std::vector<double> best(n * n, kNone);
+    std::vector<std::size_t> apex(n * n, 0);
+    for (std::size_t i = 0; i + 1 < n; ++i) best[i * n + i + 1] = 1e300;
+    for (std::size_t length = 2; length < n; ++length)
+      for (std::size_t i = 0; i + length < n; ++i) {
+        const std::size_t j = i + length;
+        if (!allowed[i * n + j]) continue;
+        for (std::size_t k = i + 1; k < j; ++k) {
+          const double worst = std::min({best[i * n + k], best[k * n + j], quality(polygon[i], polygon[k], polygon[j])});
+          if (worst > best[i * n + j]) best[i * n + j] = worst, apex[i * n + j] = k;
+        }
+      }
+    if (!(best[n - 1] > 0)) return false;
+    std::vector<std::pair<std::size_t, std::size_t>> stack{{0, n - 1}};
+    while (!stack.empty()) {
+      const auto [i, j] = stack.back();
+      stack.pop_back();
+      if (j - i < 2) continue;
+      const std::size_t k = apex[i * n + j];
+      out.push_back({polygon[i], polygon[k], polygon[j]});
+      stack.emplace_back(i, k);
+      stack.emplace_back(k, j);
+    }
+    return true;
+  }
+
+  bool positive(const std::vector<Triple>& sides, const Vector3d& x) const {
+    return std::all_of(sides.begin(), sides.end(), [&](const Triple& s) {
+      return orient3d(at(s[0]), at(s[1]), at(s[2]), x.data()) > 0;
+    });
+  }
+
+  // A point well inside all half-spaces, close to the centre of the largest ball in them.
+  bool find_position(Index v, const std::vector<Triple>& sides, Vector3d& out) {
+    std::vector<HalfSpace> spaces;
+    for (const Triple& s : sides) {
+      HalfSpace h;
+      if (!half_space(complex_.position(s[0]), complex_.position(s[1]), complex_.position(s[2]), h)) return false;
+      spaces.push_back(h);
+    }
+    const auto clearance = [&](const Vector3d& x) {
+      double least = std::numeric_limits<double>::infinity();
+      for (const HalfSpace& h : spaces) least = std::min(least, h.distance(x));
+      return least;
+    };
+    const Vector3d start = complex_.position(v);
+    double size = 0;
+    for (const Triple& s : sides)
+      for (const Index p : s) size = std::max(size, (complex_.position(p) - start).norm());
+
+    // Ascent on the concave function `clearance`: the step direction balances the faces that bind.
+    Vector3d x = start, best = start;
+    double value = clearance(x), best_value = value;
+    double step = 0.25 * size;
+    for (int i = 0; i < 200 && step > 1e-14 * size; ++i) {
+      Vector3d direction = Vector3d::Zero();
+      const double band = value + 0.5 * step;
+      for (const HalfSpace& h : spaces) {
+        const double slack = h.distance(x) - value;
+        if (h.distance(x) <= band) direction += h.normal * std::exp(-4 * slack / step);
+      }
+      const double length = direction.norm();
+      bool moved = false;
+      if (length > 1e-12) {
+        const Vector3d y = x + direction * (step / length);
+        const double there = clearance(y);
+        if (there > value) {
+          x = y, value = there, moved = true;
+          if (value > best_value) best = x, best_value = value;
+        }
+      }
+      step *= moved ? 1.3 : 0.6;
+    }
+    if (!(best_value > 0)) return false;
+    // The way back towards the start stays inside (convex); take the exact check's word, not ours.
+    for (double share = kReach; share > 1e-3; share *= 0.5)
+      if (const Vector3d y = start + share * (best - start); positive(sides, y)) {
+        out = y;
+        result_.smallest_clearance = std::min(result_.smallest_clearance, clearance(y));
+        return true;
+      }
+    if (!positive(sides, best)) return false;
+    out = best;
+    result_.smallest_clearance = std::min(result_.smallest_clearance, best_value);
+    return true;
+  }
+
+  const Surface& surface_;
+  TetComplex& complex_;
+  const RunContext& context_;
+  std::map<Triple, Index> label_;  // boundary triangle -> input face
+  std::vector<Index> queue_;
+  std::vector<Index> star_;
+  BoundaryPointsResult result_;
+};
+
+}  // namespace
+
+BoundaryPointsResult clear_boundary_points(const Surface& surface, TetComplex& complex,
+                                           const std::vector<std::array<Index, 3>>& boundary,
+                                           const std::vector<Index>& face, const RunContext& context) {
+  return Clearer(surface, complex, boundary, face, context).run();
+}
+
+}  // namespace overtet

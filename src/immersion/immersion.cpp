@@ -1,0 +1,97 @@
+#include "src/immersion/immersion.h"
+
+#include <chrono>
+#include <string>
+
+#include "src/immersion/boundary_points.h"
+#include "src/immersion/cover.h"
+#include "src/immersion/sheets.h"
+#include "src/tet_complex/tet_complex.h"
+#include "src/tetgen/tetgen.h"
+
+namespace overtet {
+
+namespace {
+
+class Stopwatch {
+ public:
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - start_).count();
+    start_ = now;
+    return seconds;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace
+
+Status ImmersionOptions::validate() const {
+  if (radius_edge != 0 && !(radius_edge >= 1.2 && radius_edge <= 100))
+    return Error{ErrorCode::usage, "The radius-edge bound must lie between 1.2 and 100, or be 0 for none."};
+  return success();
+}
+
+Result<ImmersionResult> immerse(const Surface& surface, const std::vector<std::pair<Index, Index>>& pairs,
+                                std::span<const WoundEdge> wound, const ImmersionOptions& options,
+                                const RunContext& context) {
+  if (Status valid = options.validate(); !valid) return valid.error();
+  ImmersionResult out;
+  Stopwatch watch;
+  context.report("immersion", 0, "arrangement");
+  Result<Arrangement> arrangement = arrange(surface, pairs, context);
+  if (!arrangement) return arrangement.error();
+  out.arrangement = std::move(arrangement).value();
+  out.arrangement_seconds = watch.lap();
+
+  context.report("immersion", 0.2, "tet mesh");
+  Plc plc;
+  plc.V = out.arrangement.V;
+  plc.F = out.arrangement.F;
+  plc.markers.resize(plc.F.rows());
+  for (std::size_t g = 0; g < plc.markers.size(); ++g) plc.markers[g] = static_cast<Index>(g) + 1;
+  TetgenOptions tetgen;
+  tetgen.quality = options.radius_edge > 0;
+  tetgen.radius_edge = options.radius_edge;
+  Result<TetgenResult> tets = tetrahedralize(plc, tetgen, context);
+  if (!tets) return tets.error();
+  out.tet_mesh_seconds = watch.lap();
+
+  context.report("immersion", 0.6, "sheets");
+  Result<Sheets> sheets = assign_sheets(surface, out.arrangement, tets.value(), wound, context);
+  if (!sheets) return sheets.error();
+  out.cells = static_cast<Index>(sheets.value().winding.size());
+  out.regions = static_cast<Index>(sheets.value().regions.size());
+  out.constraints = sheets.value().constraints;
+  out.search_nodes = sheets.value().search_nodes;
+  for (const Index w : sheets.value().winding) out.winding_max = std::max(out.winding_max, w);
+  Result<Cover> cover = build_cover(surface, out.arrangement, tets.value(), sheets.value(), context);
+  if (!cover) return cover.error();
+  out.sheets_seconds = watch.lap();
+
+  context.report("immersion", 0.8, "boundary points");
+  TetComplex complex(cover.value().mesh.V, cover.value().mesh.T);
+  const BoundaryPointsResult cleared =
+      clear_boundary_points(surface, complex, cover.value().boundary, cover.value().face, context);
+  out.cover = std::move(cover).value().mesh;
+  out.boundary_points = cleared.removed;
+  out.refined_edges = cleared.refined_edges;
+  out.smallest_clearance = cleared.smallest_clearance;
+  out.boundary_seconds = watch.lap();
+  if (auto stop = context.stop()) return *stop;
+  if (!cleared.left.empty()) {
+    const Eigen::Vector3d p = complex.position(cleared.left[0]);
+    return Error{ErrorCode::unsolved, std::to_string(cleared.left.size()) +
+                                          " points where the surface crosses itself could not be moved inside, the "
+                                          "first near (" +
+                                          std::to_string(p[0]) + ", " + std::to_string(p[1]) + ", " +
+                                          std::to_string(p[2]) + ")."};
+  }
+  complex.compact(static_cast<Index>(surface.V.rows()));
+  out.mesh = complex.to_mesh(static_cast<Index>(surface.V.rows()));
+  return out;
+}
+
+}  // namespace overtet

@@ -1,0 +1,53 @@
+// The immersion stage: from a surface that passes through itself straight to a tet mesh of the solid it
+// bounds, without any flow.
+//
+//   1. arrangement: cut the surface along its own intersections, exactly;
+//   2. tet mesh of all cells of the arrangement at once (TetGen keeps every triangle);
+//   3. sheets: winding-number many copies of every cell, glued so that nothing branches;
+//   4. cover: the immersed solid as a simplicial complex;
+//   5. boundary points: the points that cutting added are moved inside, so the boundary is the input again.
+//
+// The result is exactly positive by construction. Hinges need no special treatment: the sheets
+// know them. Where the paper's way (flows and a volumetric map, Sacht et al. 2013, sections 3 and 4) has to find
+// the overlap by optimisation, and locks, here it is read off the winding numbers; the price is a
+// finer mesh along the intersection curves.
+#pragma once
+
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "overtet/result.h"
+#include "overtet/run_context.h"
+#include "overtet/types.h"
+#include "src/immersion/arrangement.h"
+#include "src/surface/wound_edges.h"
+
+namespace overtet {
+
+struct ImmersionOptions {
+  double radius_edge = 2.0;  // of the tet mesh, circumradius over shortest edge; 0: no interior points
+
+  Status validate() const;
+};
+
+struct ImmersionResult {
+  TetMesh mesh;           // boundary = the input surface
+  Arrangement arrangement;
+  TetMesh cover;          // before the boundary points were moved inside
+  Index cells = 0, regions = 0, constraints = 0;
+  Index winding_max = 0;
+  std::int64_t search_nodes = 0;
+  Index boundary_points = 0;    // moved inside
+  Index refined_edges = 0;
+  double smallest_clearance = 0;
+  double arrangement_seconds = 0, tet_mesh_seconds = 0, sheets_seconds = 0, boundary_seconds = 0;
+};
+
+// pairs: all intersecting pairs of faces; wound: src/surface/wound_edges.h.
+// Errors: unsolved (with the place), limit, interrupted, infeasible (negative winding).
+Result<ImmersionResult> immerse(const Surface& surface, const std::vector<std::pair<Index, Index>>& pairs,
+                                std::span<const WoundEdge> wound, const ImmersionOptions& options,
+                                const RunContext& context);
+
+}  // namespace overtet

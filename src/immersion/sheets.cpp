@@ -1,0 +1,893 @@
+#include <cstdio>
+#include "src/immersion/sheets.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <map>
+#include <numeric>
+#include <string>
+#include <tuple>
+
+namespace overtet {
+
+namespace {
+
+using Triple = std::array<Index, 3>;
+
+// The face opposite to corner k of a positive tet, oriented outward.
+constexpr int kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+
+// Gluings of one triangle beyond this number mean windings around 6; nothing natural has them.
+constexpr std::size_t kMostOptions = 20000;
+
+// Search steps before the constraint problem counts as unsolved; natural inputs need about one a region.
+constexpr std::int64_t kMostSearchNodes = 2'000'000;
+
+Triple sorted(Triple t) {
+  std::sort(t.begin(), t.end());
+  return t;
+}
+
+// Finds triangles by their three vertices; open addressing, insertion order does not matter.
+class TriangleTable {
+ public:
+  explicit TriangleTable(std::size_t n) {
+    std::size_t size = 16;
+    while (size < 2 * n + 2) size *= 2;
+    slot_.assign(size, -1);
+  }
+  void insert(const Triple& key, Index value) {
+    std::size_t at = hash(key);
+    while (slot_[at] >= 0) at = (at + 1) & (slot_.size() - 1);
+    slot_[at] = static_cast<Index>(keys_.size());
+    keys_.push_back(key);
+    values_.push_back(value);
+  }
+  Index find(const Triple& key) const {
+    for (std::size_t at = hash(key); slot_[at] >= 0; at = (at + 1) & (slot_.size() - 1))
+      if (keys_[slot_[at]] == key) return values_[slot_[at]];
+    return -1;
+  }
+
+ private:
+  std::size_t hash(const Triple& k) const {
+    std::uint64_t h = static_cast<std::uint64_t>(k[0]) * 0x9e3779b97f4a7c15ull;
+    h = (h ^ (h >> 29) ^ static_cast<std::uint64_t>(k[1])) * 0xbf58476d1ce4e5b9ull;
+    h = (h ^ (h >> 32) ^ static_cast<std::uint64_t>(k[2])) * 0x94d049bb133111ebull;
+    return (h ^ (h >> 31)) & (slot_.size() - 1);
+  }
+  std::vector<Index> slot_;
+  std::vector<Triple> keys_;
+  std::vector<Index> values_;
+};
+
+struct Option {
+  std::vector<int> back_of, front_of;
+};
+
+// All gluings of `front` copies to `back` copies with the given sheets ending in between.
+bool enumerate_options(const Region& region, std::vector<Option>& out) {
+  const int front = region.front_winding, back = region.back_winding;
+  std::vector<int> plus, minus;
+  for (int s = 0; s < static_cast<int>(region.signs.size()); ++s) (region.signs[s] > 0 ? plus : minus).push_back(s);
+  const int matched = back - static_cast<int>(plus.size());
+  if (matched < 0 || matched != front - static_cast<int>(minus.size())) return true;
+  Option option{std::vector<int>(front, -100), std::vector<int>(back, -100)};
+  bool fits = true;
+  const std::function<void(int)> place_matched = [&](int f) {
+    while (f < front && option.back_of[f] != -100) ++f;
+    if (f >= front) {
+      if (out.size() >= kMostOptions) fits = false;
+      if (fits) out.push_back(option);
+      return;
+    }
+    for (int b = 0; b < back && fits; ++b) {
+      if (option.front_of[b] != -100) continue;
+      option.back_of[f] = b, option.front_of[b] = f;
+      place_matched(f + 1);
+      option.back_of[f] = -100, option.front_of[b] = -100;
+    }
+  };
+  const std::function<void(std::size_t)> place_minus = [&](std::size_t i) {
+    if (i == minus.size()) return place_matched(0);
+    for (int f = 0; f < front && fits; ++f) {
+      if (option.back_of[f] != -100) continue;
+      option.back_of[f] = -1 - minus[i];
+      place_minus(i + 1);
+      option.back_of[f] = -100;
+    }
+  };
+  const std::function<void(std::size_t)> place_plus = [&](std::size_t i) {
+    if (i == plus.size()) return place_minus(0);
+    for (int b = 0; b < back && fits; ++b) {
+      if (option.front_of[b] != -100) continue;
+      option.front_of[b] = -1 - plus[i];
+      place_plus(i + 1);
+      option.front_of[b] = -100;
+    }
+  };
+  place_plus(0);
+  return fits;
+}
+
+// Of all options that differ only by a relabelling of the copies on one side, exactly one is canonical.
+bool canonical(const std::vector<int>& to_side, const std::vector<int>& from_side) {
+  // to_side: per copy of the other side, its copy on the side to relabel. Matched copies first, then slots.
+  int expected = 0;
+  for (const int c : to_side)
+    if (c >= 0 && c != expected++) return false;
+  int last = 0;
+  for (const int c : from_side) {
+    if (c >= 0) continue;
+    if (-1 - c < last) return false;  // slots in increasing order
+    last = -1 - c;
+  }
+  for (std::size_t c = 0; c < from_side.size(); ++c)
+    if ((from_side[c] >= 0) != (static_cast<int>(c) < expected)) return false;
+  return true;
+}
+
+// One edge of the arrangement with all facets around it.
+struct Fan {
+  struct Leaf {
+    Index region;
+    bool flipped;
+    std::vector<Index> slots;  // region slot of each local sheet
+    auto operator<=>(const Leaf&) const = default;
+  };
+  // A sheet arrives at leaf `from`, slot `from_sheet`, and must leave at the other after `turns` extra turns.
+  struct Pass {
+    int from, from_sheet, to, to_sheet, turns;
+    auto operator<=>(const Pass&) const = default;
+  };
+  std::vector<Leaf> leaves;
+  std::vector<std::array<int, 2>> arc;  // per leaf and side (0 front, 1 back): 2 * leaf + side it faces, or -1
+  std::vector<Pass> passes;
+  auto operator<=>(const Fan&) const = default;
+};
+
+// Follows every copy around the edge. chosen: per region, its option.
+bool satisfied(const Fan& fan, const std::vector<const Option*>& chosen, const std::vector<Region>& regions) {
+  const int n = static_cast<int>(fan.leaves.size());
+  // Copy `copy` in the cell on `side` of a leaf crosses the leaf: (other side's copy) or -1 - local sheet.
+  const auto cross = [&](int leaf, int side, int copy) {
+    const Fan::Leaf& l = fan.leaves[leaf];
+    const Option& option = *chosen[l.region];
+    const bool from_front = (side == 0) != l.flipped;
+    const int to = from_front ? option.back_of[copy] : option.front_of[copy];
+    if (to >= 0) return to;
+    const auto local = std::find(l.slots.begin(), l.slots.end(), -1 - to);
+    return -1 - static_cast<int>(local - l.slots.begin());
+  };
+  const auto copies = [&](int leaf, int side) {
+    const Fan::Leaf& l = fan.leaves[leaf];
+    const Region& r = regions[l.region];
+    return static_cast<int>((side == 0) != l.flipped ? r.front_winding : r.back_winding);
+  };
+  // visited[leaf][copy on its front side] for sheets that cross the leaf
+  std::vector<std::vector<char>> visited(n);
+  for (int i = 0; i < n; ++i) visited[i].assign(copies(i, 0), 0);
+  const int most_steps = 64 * n + 64;
+  for (const Fan::Pass& pass : fan.passes) {
+    // Both directions are listed or one: start inside the solid at `from`.
+    const Fan::Leaf& l = fan.leaves[pass.from];
+    const Region& r = regions[l.region];
+    const Index slot = l.slots[pass.from_sheet];
+    const bool inside_is_back = (r.signs[slot] > 0) != l.flipped;
+    int side = inside_is_back ? 1 : 0, leaf = pass.from, copy = -1;
+    const Option& option = *chosen[l.region];
+    const auto& ends = r.signs[slot] > 0 ? option.front_of : option.back_of;
+    for (int c = 0; c < static_cast<int>(ends.size()); ++c)
+      if (ends[c] == -1 - slot) copy = c;
+    int turns = 0;
+    for (int step = 0;; ++step) {
+      if (step > most_steps) return false;
+      const int arrival = fan.arc[leaf][side];
+      if (arrival < 0) return false;
+      leaf = arrival / 2, side = arrival % 2;
+      const int next = cross(leaf, side, copy);
+      if (next < 0) {
+        if (leaf != pass.to || -1 - next != pass.to_sheet || turns != pass.turns) return false;
+        break;
+      }
+      if (leaf == pass.from) ++turns;
+      visited[leaf][side == 0 ? copy : next] = 1;
+      copy = next, side = 1 - side;
+    }
+  }
+  for (int i = 0; i < n; ++i) {
+    for (int start = 0; start < static_cast<int>(visited[i].size()); ++start) {
+      if (visited[i][start]) continue;
+      int next = cross(i, 0, start);
+      if (next < 0) continue;
+      visited[i][start] = 1;
+      int leaf = i, side = 1, copy = next;
+      for (int step = 0;; ++step) {
+        if (step > most_steps) return false;
+        const int arrival = fan.arc[leaf][side];
+        if (arrival < 0) return false;
+        leaf = arrival / 2, side = arrival % 2;
+        if (leaf == i) {
+          if (side != 0 || copy != start) return false;
+          break;
+        }
+        next = cross(leaf, side, copy);
+        if (next < 0) return false;  // belongs to no pass
+        visited[leaf][side == 0 ? copy : next] = 1;
+        copy = next, side = 1 - side;
+      }
+    }
+  }
+  return true;
+}
+
+class Assigner {
+ public:
+  Assigner(const Surface& surface, const Arrangement& arrangement, const TetgenResult& tets,
+           std::span<const WoundEdge> wound, const RunContext& context)
+      : surface_(surface), arrangement_(arrangement), tets_(tets), context_(context) {
+    for (const WoundEdge& w : wound) turns_[{std::min(w.a, w.b), std::max(w.a, w.b)}] = w.k;
+  }
+
+  Result<Sheets> run() {
+    find_facets();
+    find_cells();
+    if (auto error = find_windings()) return *error;
+    cut_handles();
+    if (auto error = find_edges()) return *error;
+    if (auto error = solve()) return *error;
+    return std::move(out_);
+  }
+
+ private:
+  std::string place(Index vertex) const {
+    const auto p = tets_.V.row(vertex);
+    return "(" + std::to_string(p[0]) + ", " + std::to_string(p[1]) + ", " + std::to_string(p[2]) + ")";
+  }
+  Index sheet_count(Index facet) const {
+    const Index g = out_.facets[facet].triangle;
+    if (g < 0) return 0;
+    return arrangement_.sheet_begin[g + 1] - arrangement_.sheet_begin[g];
+  }
+  const ArrangementSheet& sheet(Index facet, Index s) const {
+    return arrangement_.sheets[arrangement_.sheet_begin[out_.facets[facet].triangle] + s];
+  }
+
+  void find_facets() {
+    const Index n = static_cast<Index>(tets_.T.rows());
+    const Index m = static_cast<Index>(tets_.facets.rows());
+    TriangleTable table(m);
+    std::vector<char> marked(tets_.V.rows(), 0);
+    for (Index i = 0; i < m; ++i) {
+      const Triple t{tets_.facets(i, 0), tets_.facets(i, 1), tets_.facets(i, 2)};
+      for (const Index v : t) marked[v] = 1;
+      table.insert(sorted(t), i);
+    }
+    std::vector<Index> facet_of(m, -1);
+    out_.facet_on.assign(n, {-1, -1, -1, -1});
+    corners_.clear();
+    for (Index t = 0; t < n; ++t) {
+      for (int k = 0; k < 4; ++k) {
+        const Triple f{tets_.T(t, kFace[k][0]), tets_.T(t, kFace[k][1]), tets_.T(t, kFace[k][2])};
+        if (!marked[f[0]] || !marked[f[1]] || !marked[f[2]]) continue;
+        const Index i = table.find(sorted(f));
+        if (i < 0) continue;
+        if (facet_of[i] < 0) {
+          facet_of[i] = static_cast<Index>(out_.facets.size());
+          Facet facet;
+          facet.triangle = tets_.facet_markers[i] - 1;
+          out_.facets.push_back(facet);
+          corners_.push_back(oriented(f, facet.triangle));
+        }
+        const Index facet = facet_of[i];
+        out_.facet_on[t][k] = facet;
+        // f points out of t, so where the facet is oriented like f, t is behind it.
+        const Triple& c = corners_[facet];
+        const int at = c[0] == f[0] ? 0 : c[1] == f[0] ? 1 : 2;
+        (c[(at + 1) % 3] == f[1] ? out_.facets[facet].back : out_.facets[facet].front) = t;
+      }
+    }
+  }
+
+  // The facet's corners in the orientation of its arrangement triangle.
+  Triple oriented(const Triple& f, Index triangle) const {
+    const Triple g{arrangement_.F(triangle, 0), arrangement_.F(triangle, 1), arrangement_.F(triangle, 2)};
+    bool same;
+    if (sorted(f) == sorted(g)) {
+      const int at = g[0] == f[0] ? 0 : g[1] == f[0] ? 1 : 2;
+      same = g[(at + 1) % 3] == f[1];
+    } else {  // TetGen has split the triangle: compare normals
+      const auto normal = [&](const Triple& t) {
+        const Eigen::Vector3d a = tets_.V.row(t[0]), b = tets_.V.row(t[1]), c = tets_.V.row(t[2]);
+        return Eigen::Vector3d((b - a).cross(c - a));
+      };
+      same = normal(f).dot(normal(g)) > 0;
+    }
+    return same ? f : Triple{f[0], f[2], f[1]};
+  }
+
+  void find_cells() {
+    const Index n = static_cast<Index>(tets_.T.rows());
+    out_.cell.assign(n, -1);
+    std::vector<Index> stack;
+    for (Index seed = 0; seed < n; ++seed) {
+      if (out_.cell[seed] >= 0) continue;
+      const Index id = cells_++;
+      out_.cell[seed] = id;
+      stack.push_back(seed);
+      while (!stack.empty()) {
+        const Index t = stack.back();
+        stack.pop_back();
+        for (int k = 0; k < 4; ++k) {
+          const Index other = tets_.neighbours(t, k);
+          if (other < 0 || out_.facet_on[t][k] >= 0 || out_.cell[other] >= 0) continue;
+          out_.cell[other] = id;
+          stack.push_back(other);
+        }
+      }
+    }
+  }
+
+  // A cell that is not simply connected may be covered by copies that change places on the way round. Such
+  // cells are cut: all faces between their tets that do not close up around edges become facets without a
+  // sheet, whose gluing is a permutation. Starting from a spanning tree of the tets, a face is no cut when it
+  // is the last open one around an edge; in a ball that leaves none.
+  void cut_handles() {
+    const Index n = static_cast<Index>(tets_.T.rows());
+    std::vector<char> deep(n, 0);
+    bool any = false;
+    for (Index t = 0; t < n; ++t) any |= deep[t] = out_.winding_of(t) >= 2;
+    if (!any) return;
+    struct Face {
+      Index tet;
+      int corner;
+      std::array<Index, 3> edges{-1, -1, -1};
+      bool open = true;
+    };
+    std::vector<Face> faces;
+    std::vector<std::array<Index, 4>> face_on(n, {-1, -1, -1, -1});
+    for (Index t = 0; t < n; ++t) {
+      if (!deep[t]) continue;
+      for (int k = 0; k < 4; ++k) {
+        const Index other = tets_.neighbours(t, k);
+        if (other < t || out_.facet_on[t][k] >= 0) continue;
+        face_on[t][k] = static_cast<Index>(faces.size());
+        for (int j = 0; j < 4; ++j)
+          if (tets_.neighbours(other, j) == t) face_on[other][j] = face_on[t][k];
+        faces.push_back({t, k});
+      }
+    }
+    // Edges inside the cells, with their open faces.
+    struct Use {
+      Index p, q, face;
+      int side;
+    };
+    std::vector<Use> uses;
+    for (Index f = 0; f < static_cast<Index>(faces.size()); ++f)
+      for (int i = 0; i < 3; ++i) {
+        const Index a = tets_.T(faces[f].tet, kFace[faces[f].corner][i]);
+        const Index b = tets_.T(faces[f].tet, kFace[faces[f].corner][(i + 1) % 3]);
+        uses.push_back({std::min(a, b), std::max(a, b), f, i});
+      }
+    std::sort(uses.begin(), uses.end(), [](const Use& a, const Use& b) {
+      return std::tie(a.p, a.q, a.face) < std::tie(b.p, b.q, b.face);
+    });
+    std::vector<std::pair<Index, Index>> on_surface;  // edges of facets: their rings do not close in a cell
+    for (const Triple& c : corners_)
+      for (int k = 0; k < 3; ++k)
+        on_surface.emplace_back(std::min(c[k], c[(k + 1) % 3]), std::max(c[k], c[(k + 1) % 3]));
+    std::sort(on_surface.begin(), on_surface.end());
+    std::vector<std::vector<Index>> faces_of;
+    std::vector<Index> open_count;
+    for (std::size_t b = 0; b < uses.size();) {
+      std::size_t e = b + 1;
+      while (e < uses.size() && uses[e].p == uses[b].p && uses[e].q == uses[b].q) ++e;
+      if (!std::binary_search(on_surface.begin(), on_surface.end(), std::make_pair(uses[b].p, uses[b].q))) {
+        faces_of.emplace_back();
+        open_count.push_back(static_cast<Index>(e - b));
+        for (std::size_t i = b; i < e; ++i) {
+          faces_of.back().push_back(uses[i].face);
+          faces[uses[i].face].edges[uses[i].side] = static_cast<Index>(faces_of.size()) - 1;
+        }
+      }
+      b = e;
+    }
+    std::vector<Index> single;
+    const auto close = [&](Index f) {
+      faces[f].open = false;
+      for (const Index e : faces[f].edges)
+        if (e >= 0 && --open_count[e] == 1) single.push_back(e);
+    };
+    std::vector<char> reached(n, 0);
+    std::vector<Index> queue;
+    for (Index seed = 0; seed < n; ++seed) {
+      if (!deep[seed] || reached[seed]) continue;
+      reached[seed] = 1;
+      queue.assign(1, seed);
+      for (std::size_t head = 0; head < queue.size(); ++head)
+        for (int k = 0; k < 4; ++k) {
+          const Index f = face_on[queue[head]][k];
+          if (f < 0) continue;
+          const Index other = tets_.neighbours(queue[head], k);
+          if (reached[other]) continue;
+          reached[other] = 1;
+          queue.push_back(other);
+          close(f);
+        }
+    }
+    while (!single.empty()) {
+      const Index e = single.back();
+      single.pop_back();
+      for (const Index f : faces_of[e])
+        if (faces[f].open) {
+          close(f);
+          break;
+        }
+    }
+    for (const Face& face : faces) {
+      if (!face.open) continue;
+      const Index t = face.tet, other = tets_.neighbours(t, face.corner);
+      const Index id = static_cast<Index>(out_.facets.size());
+      Facet facet;
+      facet.back = t, facet.front = other;
+      out_.facets.push_back(facet);
+      corners_.push_back({tets_.T(t, kFace[face.corner][0]), tets_.T(t, kFace[face.corner][1]),
+                          tets_.T(t, kFace[face.corner][2])});
+      out_.facet_on[t][face.corner] = id;
+      for (int j = 0; j < 4; ++j)
+        if (tets_.neighbours(other, j) == t) out_.facet_on[other][j] = id;
+      ++out_.cuts;
+    }
+  }
+
+  std::optional<Error> find_windings() {
+    constexpr Index kUnknown = -1000000;
+    out_.winding.assign(cells_, kUnknown);
+    std::vector<std::vector<std::pair<Index, Index>>> links(cells_ + 1);  // (cell, w there - w here)
+    const auto index = [&](Index tet) { return tet < 0 ? cells_ : out_.cell[tet]; };
+    std::map<std::tuple<Index, Index, Index>, char> seen;
+    for (Index f = 0; f < static_cast<Index>(out_.facets.size()); ++f) {
+      Index jump = 0;
+      for (Index s = 0; s < sheet_count(f); ++s) jump += sheet(f, s).sign;
+      const Index front = index(out_.facets[f].front), back = index(out_.facets[f].back);
+      if (!seen.try_emplace({front, back, jump}, 1).second) continue;
+      links[front].emplace_back(back, jump);
+      links[back].emplace_back(front, -jump);
+    }
+    std::vector<Index> known(cells_ + 1, kUnknown), stack{cells_};
+    known[cells_] = 0;
+    while (!stack.empty()) {
+      const Index c = stack.back();
+      stack.pop_back();
+      for (const auto& [other, jump] : links[c]) {
+        if (known[other] == kUnknown) {
+          known[other] = known[c] + jump;
+          stack.push_back(other);
+        } else if (known[other] != known[c] + jump) {
+          return Error{ErrorCode::unsolved, "The arrangement has lost a face: winding numbers do not agree."};
+        }
+      }
+    }
+    for (Index c = 0; c < cells_; ++c) {
+      out_.winding[c] = known[c];
+      if (known[c] < 0 && known[c] != kUnknown)
+        return Error{ErrorCode::infeasible, "The surface has a region of negative winding number " +
+                                                std::to_string(known[c]) + "."};
+      if (known[c] == kUnknown)
+        return Error{ErrorCode::unsolved, "The arrangement has a cell that no face bounds."};
+    }
+    return std::nullopt;
+  }
+
+  struct EdgeUse {
+    Index p, q;  // p < q
+    Index facet;
+    int corner;  // the facet's corner opposite to the edge
+  };
+
+  // Partner of each sheet at an edge, regions, and the fans that constrain them.
+  std::optional<Error> find_edges() {
+    const Index m = static_cast<Index>(out_.facets.size());
+    std::vector<EdgeUse> uses;
+    uses.reserve(3 * static_cast<std::size_t>(m));
+    for (Index f = 0; f < m; ++f)
+      for (int k = 0; k < 3; ++k) {
+        const Index a = corners_[f][(k + 1) % 3], b = corners_[f][(k + 2) % 3];
+        uses.push_back({std::min(a, b), std::max(a, b), f, k});
+      }
+    std::sort(uses.begin(), uses.end(), [](const EdgeUse& a, const EdgeUse& b) {
+      return std::tie(a.p, a.q, a.facet) < std::tie(b.p, b.q, b.facet);
+    });
+    struct Link {
+      Index facet = -1;
+      std::vector<Index> sheet_here;  // per sheet of the facet beyond: the sheet here; empty: one to one, single
+    };
+    std::vector<std::array<Index, 3>> link(m, {-1, -1, -1});
+    std::map<std::pair<Index, int>, std::vector<Index>> link_sheets;  // only where there are several
+    std::vector<std::pair<std::size_t, std::size_t>> special;
+    std::vector<Fan::Pass> passes;
+    for (std::size_t b = 0; b < uses.size();) {
+      std::size_t e = b + 1;
+      while (e < uses.size() && uses[e].p == uses[b].p && uses[e].q == uses[b].q) ++e;
+      const std::span<const EdgeUse> group(uses.data() + b, e - b);
+      if (auto error = find_passes(group, passes)) return error;
+      bool plain = group.size() == 2;
+      for (const Fan::Pass& p : passes) plain &= p.turns == 0 && p.from != p.to;
+      if (plain) {
+        link[group[0].facet][group[0].corner] = group[1].facet;
+        link[group[1].facet][group[1].corner] = group[0].facet;
+        if (sheet_count(group[0].facet) > 1) {
+          for (int here = 0; here < 2; ++here) {
+            auto& map = link_sheets[{group[here].facet, group[here].corner}];
+            map.assign(sheet_count(group[1 - here].facet), -1);
+            for (const Fan::Pass& p : passes)
+              if (p.from == here) map[p.to_sheet] = p.from_sheet;
+          }
+        }
+      } else {
+        special.emplace_back(b, e);
+      }
+      b = e;
+    }
+    // Regions: flood across plain edges.
+    std::vector<Index> stack;
+    for (Index seed = 0; seed < m; ++seed) {
+      if (out_.facets[seed].region >= 0) continue;
+      const Index id = static_cast<Index>(out_.regions.size());
+      Region region;
+      region.front_winding = out_.winding_of(out_.facets[seed].front);
+      region.back_winding = out_.winding_of(out_.facets[seed].back);
+      for (Index s = 0; s < sheet_count(seed); ++s) region.signs.push_back(sheet(seed, s).sign);
+      region_front_.push_back(cell_of(out_.facets[seed].front));
+      region_back_.push_back(cell_of(out_.facets[seed].back));
+      out_.facets[seed].region = id;
+      if (sheet_count(seed) > 1) {
+        out_.facets[seed].slots = static_cast<Index>(out_.slot_map.size());
+        for (Index s = 0; s < sheet_count(seed); ++s) out_.slot_map.push_back(s);
+      }
+      out_.regions.push_back(std::move(region));
+      stack.push_back(seed);
+      while (!stack.empty()) {
+        const Index f = stack.back();
+        stack.pop_back();
+        for (int k = 0; k < 3; ++k) {
+          const Index g = link[f][k];
+          if (g < 0 || out_.facets[g].region >= 0) continue;
+          // Coherent when the shared edge runs the other way in g.
+          const Index a = corners_[f][(k + 1) % 3], b = corners_[f][(k + 2) % 3];
+          bool coherent = false;
+          for (int j = 0; j < 3; ++j) coherent |= corners_[g][j] == b && corners_[g][(j + 1) % 3] == a;
+          Facet& facet = out_.facets[g];
+          facet.region = id;
+          facet.flipped = out_.facets[f].flipped == coherent;
+          if (sheet_count(g) > 1) {
+            const auto& here = link_sheets[{f, k}];
+            facet.slots = static_cast<Index>(out_.slot_map.size());
+            for (Index s = 0; s < sheet_count(g); ++s)
+              out_.slot_map.push_back(out_.slot_map[out_.facets[f].slots + here[s]]);
+          }
+          stack.push_back(g);
+        }
+      }
+    }
+    std::map<Fan, Index> distinct;
+    for (const auto& [b, e] : special) {
+      const std::span<const EdgeUse> group(uses.data() + b, e - b);
+      distinct.try_emplace(make_fan(group), group[0].p);
+    }
+    for (const auto& [fan, vertex] : distinct) {
+      fans_.push_back(fan);
+      fan_place_.push_back(vertex);
+    }
+    out_.constraints = static_cast<Index>(fans_.size());
+    return std::nullopt;
+  }
+
+  Index cell_of(Index tet) const { return tet < 0 ? -1 : out_.cell[tet]; }
+
+  int shared_corners(Index f, Index g, std::pair<Index, Index>& edge) const {
+    int shared = 0;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        if (surface_.F(f, i) == surface_.F(g, j)) {
+          (shared == 0 ? edge.first : edge.second) = surface_.F(f, i);
+          ++shared;
+        }
+    if (edge.first > edge.second) std::swap(edge.first, edge.second);
+    return shared;
+  }
+
+  double distance_to_edge(Index vertex, std::pair<Index, Index> edge) const {
+    const Eigen::Vector3d a = surface_.V.row(edge.first), b = surface_.V.row(edge.second), p = tets_.V.row(vertex);
+    const Eigen::Vector3d d = (b - a).normalized();
+    return (p - a - d * d.dot(p - a)).norm();
+  }
+
+  // Which sheet continues into which at one edge of the arrangement (from/to index the group).
+  std::optional<Error> find_passes(std::span<const EdgeUse> group, std::vector<Fan::Pass>& passes) const {
+    passes.clear();
+    struct Entry {
+      Index face;
+      int leaf, sheet;
+    };
+    std::vector<Entry> entries;
+    for (int i = 0; i < static_cast<int>(group.size()); ++i)
+      for (Index s = 0; s < sheet_count(group[i].facet); ++s)
+        entries.push_back({sheet(group[i].facet, s).face, i, static_cast<int>(s)});
+    std::vector<int> partner(entries.size(), -1), turns(entries.size(), 0);
+    for (std::size_t i = 0; i < entries.size(); ++i)
+      for (std::size_t j = i + 1; j < entries.size(); ++j)
+        if (entries[i].face == entries[j].face) partner[i] = static_cast<int>(j), partner[j] = static_cast<int>(i);
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+      if (partner[i] >= 0) continue;
+      double best = std::numeric_limits<double>::infinity();
+      int found = -1;
+      std::pair<Index, Index> found_edge;
+      for (std::size_t j = i + 1; j < entries.size(); ++j) {
+        if (partner[j] >= 0) continue;
+        std::pair<Index, Index> edge;
+        if (shared_corners(entries[i].face, entries[j].face, edge) < 2) continue;
+        const double d = distance_to_edge(group[0].p, edge) + distance_to_edge(group[0].q, edge);
+        if (d < best) best = d, found = static_cast<int>(j), found_edge = edge;
+      }
+      if (found < 0)
+        return Error{ErrorCode::unsolved, "The arrangement is torn near " + place(group[0].p) + "."};
+      partner[i] = found, partner[found] = static_cast<int>(i);
+      const auto wound = turns_.find(found_edge);
+      if (wound != turns_.end()) turns[i] = turns[found] = wound->second;
+    }
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+      const Entry &a = entries[i], &b = entries[partner[i]];
+      passes.push_back({a.leaf, a.sheet, b.leaf, b.sheet, turns[i]});
+    }
+    return std::nullopt;
+  }
+
+  Fan make_fan(std::span<const EdgeUse> given) const {
+    std::vector<EdgeUse> group(given.begin(), given.end());
+    std::sort(group.begin(), group.end(), [&](const EdgeUse& a, const EdgeUse& b) {
+      const Facet &fa = out_.facets[a.facet], &fb = out_.facets[b.facet];
+      return std::tie(fa.region, fa.flipped, a.facet) < std::tie(fb.region, fb.flipped, b.facet);
+    });
+    Fan fan;
+    const int n = static_cast<int>(group.size());
+    fan.arc.assign(n, {-1, -1});
+    for (int i = 0; i < n; ++i) {
+      const Facet& f = out_.facets[group[i].facet];
+      Fan::Leaf leaf{f.region, f.flipped, {}};
+      if (f.slots < 0)
+        leaf.slots = {0};
+      else
+        leaf.slots.assign(out_.slot_map.begin() + f.slots, out_.slot_map.begin() + f.slots + sheet_count(group[i].facet));
+      fan.leaves.push_back(std::move(leaf));
+      for (int side = 0; side < 2; ++side) {
+        const Index start = side == 0 ? f.front : f.back;
+        if (start < 0 || out_.winding_of(start) == 0) continue;  // no copies, no way
+        const auto [facet, arrival] = rotate(start, group[i].facet, group[i].p, group[i].q);
+        for (int j = 0; j < n; ++j)
+          if (group[j].facet == facet) fan.arc[i][side] = 2 * j + arrival;
+      }
+    }
+    const auto error = find_passes(group, fan.passes);
+    (void)error;  // the same group has passed before
+    return fan;
+  }
+
+  // From a facet through the tets around edge p-q to the next facet; and on which side of it one arrives.
+  std::pair<Index, int> rotate(Index tet, Index facet, Index p, Index q) const {
+    int from = 0;
+    while (out_.facet_on[tet][from] != facet) ++from;
+    for (;;) {
+      int to = 0;
+      while (to == from || tets_.T(tet, to) == p || tets_.T(tet, to) == q) ++to;
+      const Index hit = out_.facet_on[tet][to];
+      if (hit >= 0) return {hit, out_.facets[hit].front == tet ? 0 : 1};
+      const Index next = tets_.neighbours(tet, to);
+      // In the next tet the corner opposite to the shared face is the one that this tet does not have.
+      int corner = 0;
+      while (tets_.T(next, corner) == p || tets_.T(next, corner) == q || tets_.T(next, corner) == tets_.T(tet, from))
+        ++corner;
+      from = corner;
+      tet = next;
+    }
+  }
+
+  std::optional<Error> solve() {
+    const Index n = static_cast<Index>(out_.regions.size());
+    options_.resize(n);
+    for (Index r = 0; r < n; ++r)
+      if (!enumerate_options(out_.regions[r], options_[r]) || options_[r].empty())
+        return Error{ErrorCode::unsolved, "A region's winding numbers leave too many ways to glue its sheets."};
+    fix_labels();
+    chosen_.assign(n, nullptr);
+    for (Index r = 0; r < n; ++r)
+      if (options_[r].size() == 1) chosen_[r] = &options_[r][0];
+
+    fans_of_.assign(n, {});
+    for (Index c = 0; c < static_cast<Index>(fans_.size()); ++c) {
+      std::vector<Index> members;
+      for (const auto& leaf : fans_[c].leaves) members.push_back(leaf.region);
+      std::sort(members.begin(), members.end());
+      members.erase(std::unique(members.begin(), members.end()), members.end());
+      bool open = false;
+      for (const Index r : members) open |= !chosen_[r];
+      if (!open) {
+        if (!satisfied(fans_[c], chosen_, out_.regions)) return no_gluing(c);
+        continue;
+      }
+      for (const Index r : members)
+        if (!chosen_[r]) fans_of_[r].push_back(c);
+      open_members_.emplace(c, std::move(members));
+    }
+    // Independent parts one after the other.
+    std::vector<char> seen(n, 0);
+    for (Index seed = 0; seed < n; ++seed) {
+      if (chosen_[seed] || seen[seed]) continue;
+      std::vector<Index> part{seed};
+      seen[seed] = 1;
+      for (std::size_t i = 0; i < part.size(); ++i)
+        for (const Index c : fans_of_[part[i]])
+          for (const Index r : open_members_.at(c))
+            if (!chosen_[r] && !seen[r]) seen[r] = 1, part.push_back(r);
+      deepest_fan_ = fans_of_[seed].empty() ? -1 : fans_of_[seed][0];
+      if (!search(part)) {
+        if (auto stop = context_.stop()) return stop;
+        return no_gluing(deepest_fan_);
+      }
+    }
+    for (Index r = 0; r < n; ++r) {
+      out_.regions[r].back_of = chosen_[r]->back_of;
+      out_.regions[r].front_of = chosen_[r]->front_of;
+    }
+    return std::nullopt;
+  }
+
+  Error no_gluing(Index fan) const {
+    if(fan>=0){const Fan&F=fans_[fan];fprintf(stderr,"fan leaves %zu\n",F.leaves.size());
+      for(size_t i=0;i<F.leaves.size();++i){const auto&r=out_.regions[F.leaves[i].region];fprintf(stderr," leaf %zu region %d flip %d wf %d wb %d slots %zu opts %zu arc %d %d chosen %d\n",i,F.leaves[i].region,F.leaves[i].flipped,r.front_winding,r.back_winding,F.leaves[i].slots.size(),options_[F.leaves[i].region].size(),F.arc[i][0],F.arc[i][1],chosen_[F.leaves[i].region]!=nullptr);}
+      for(auto&p:F.passes)fprintf(stderr," pass %d.%d -> %d.%d turns %d\n",p.from,p.from_sheet,p.to,p.to_sheet,p.turns);}
+    return Error{ErrorCode::unsolved,
+                 "The sheets of the solid cannot be glued without a branch line" +
+                     (fan < 0 ? std::string(".") : " near " + place(fan_place_[fan]) + ".")};
+  }
+
+  // Copies of a cell carry no names: along a spanning forest of the cells one gluing stands for all.
+  void fix_labels() {
+    std::vector<std::vector<Index>> regions_of(cells_);
+    for (Index r = 0; r < static_cast<Index>(out_.regions.size()); ++r) {
+      if (region_front_[r] >= 0) regions_of[region_front_[r]].push_back(r);
+      if (region_back_[r] >= 0) regions_of[region_back_[r]].push_back(r);
+    }
+    std::vector<Index> order(cells_);
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return out_.winding[a] < out_.winding[b]; });
+    std::vector<char> fixed(cells_, 0);
+    std::vector<Index> queue;
+    for (const Index c : order)
+      if (out_.winding[c] <= 1) fixed[c] = 1, queue.push_back(c);
+    std::size_t next_root = 0, head = 0;
+    for (;;) {
+      while (head < queue.size()) {
+        const Index c = queue[head++];
+        for (const Index r : regions_of[c]) {
+          const bool here_is_front = region_front_[r] == c;
+          const Index other = here_is_front ? region_back_[r] : region_front_[r];
+          if (other < 0 || fixed[other] || other == c) continue;
+          fixed[other] = 1;
+          std::erase_if(options_[r], [&](const Option& o) {
+            return here_is_front ? !canonical(o.back_of, o.front_of) : !canonical(o.front_of, o.back_of);
+          });
+          queue.push_back(other);
+        }
+      }
+      while (next_root < order.size() && fixed[order[next_root]]) ++next_root;
+      if (next_root == order.size()) return;
+      fixed[order[next_root]] = 1;
+      queue.push_back(order[next_root]);
+    }
+  }
+
+  // Options of r that no fan with all other regions chosen rejects.
+  std::vector<Index> possible(Index r) {
+    std::vector<Index> out;
+    for (Index o = 0; o < static_cast<Index>(options_[r].size()); ++o) {
+      chosen_[r] = &options_[r][o];
+      bool fits = true;
+      for (const Index c : fans_of_[r]) {
+        bool complete = true;
+        for (const Index other : open_members_.at(c)) complete &= chosen_[other] != nullptr;
+        if (complete && !satisfied(fans_[c], chosen_, out_.regions)) {
+          fits = false;
+          deepest_fan_ = c;
+          break;
+        }
+      }
+      if (fits) out.push_back(o);
+    }
+    chosen_[r] = nullptr;
+    return out;
+  }
+
+  bool search(const std::vector<Index>& part) {
+    struct Level {
+      Index region;
+      std::vector<Index> options;
+      std::size_t next = 0;
+    };
+    std::vector<Level> levels;
+    std::vector<std::vector<Index>> left(part.size());
+    std::map<Index, std::size_t> at;
+    for (std::size_t i = 0; i < part.size(); ++i) at[part[i]] = i, left[i] = possible(part[i]);
+    std::vector<char> stale(part.size(), 0);
+    const auto spoil = [&](Index r) {
+      for (const Index c : fans_of_[r])
+        for (const Index other : open_members_.at(c))
+          if (const auto it = at.find(other); it != at.end()) stale[it->second] = 1;
+    };
+    for (;;) {
+      // The open region with the fewest options left; the first of them.
+      std::size_t best = part.size();
+      for (std::size_t i = 0; i < part.size(); ++i) {
+        if (chosen_[part[i]]) continue;
+        if (stale[i]) left[i] = possible(part[i]), stale[i] = 0;
+        if (best == part.size() || left[i].size() < left[best].size()) best = i;
+        if (left[best].empty()) break;
+      }
+      if (best == part.size()) return true;
+      if (!left[best].empty()) levels.push_back({part[best], left[best]});
+      // Take the next option of the deepest level that has one.
+      for (;;) {
+        if (levels.empty()) return false;
+        Level& level = levels.back();
+        if (chosen_[level.region]) spoil(level.region);
+        chosen_[level.region] = nullptr;
+        if (level.next < level.options.size()) {
+          chosen_[level.region] = &options_[level.region][level.options[level.next++]];
+          spoil(level.region);
+          if (++out_.search_nodes > kMostSearchNodes || (out_.search_nodes % 256 == 0 && context_.stop())) return false;
+          break;
+        }
+        stale[at[level.region]] = 1;
+        levels.pop_back();
+      }
+    }
+  }
+
+  const Surface& surface_;
+  const Arrangement& arrangement_;
+  const TetgenResult& tets_;
+  const RunContext& context_;
+  std::map<std::pair<Index, Index>, int> turns_;
+  Sheets out_;
+  Index cells_ = 0;
+  std::vector<Triple> corners_;  // per facet, in the orientation of its arrangement triangle
+  std::vector<Index> region_front_, region_back_;  // cells, in the region's orientation
+  std::vector<Fan> fans_;
+  std::vector<Index> fan_place_;
+  std::vector<std::vector<Option>> options_;
+  std::vector<const Option*> chosen_;
+  std::vector<std::vector<Index>> fans_of_;
+  std::map<Index, std::vector<Index>> open_members_;
+  Index deepest_fan_ = -1;
+};
+
+}  // namespace
+
+int Sheets::across(Index facet, bool from_front, int copy) const {
+  const Facet& f = facets[facet];
+  const Region& r = regions[f.region];
+  const int to = (from_front != f.flipped ? r.back_of : r.front_of)[copy];
+  if (to >= 0 || f.slots < 0) return to;
+  Index s = 0;
+  while (slot_map[f.slots + s] != -1 - to) ++s;
+  return -1 - static_cast<int>(s);
+}
+
+Result<Sheets> assign_sheets(const Surface& surface, const Arrangement& arrangement, const TetgenResult& tets,
+                             std::span<const WoundEdge> wound, const RunContext& context) {
+  return Assigner(surface, arrangement, tets, wound, context).run();
+}
+
+}  // namespace overtet
