@@ -1,0 +1,65 @@
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "src/cli/commands.h"
+#include "src/cli/signals.h"
+#include "src/io/surface_io.h"
+#include "src/io/tet_io.h"
+#include "src/verify/verify.h"
+
+namespace overtet {
+
+int run(const VerifyCommand& command, const CommonOptions& common, Terminal& terminal) {
+  const RunContext context = common.context(terminal);
+  Watchdog watchdog(context.deadline, [&](int code) {
+    terminal.error(code == 130 ? "Interrupted." : "The time limit was reached; allow more with --time-limit.");
+  });
+  SurfaceReadInfo info;
+  const Result<Surface> surface = read_surface(command.surface, &info);
+  if (!surface) return fail(terminal, surface.error());
+  const Result<TetMesh> mesh = read_tets(command.mesh);
+  if (!mesh) return fail(terminal, mesh.error());
+  VerifyOptions options;
+  options.geometry_only = !info.has_vertex_order;
+  options.max_move = command.max_move;
+  const VerifyResult r = verify(surface.value(), mesh.value(), options, context);
+  if (!r.complete) return fail(terminal, context.stop().value_or(Error{ErrorCode::interrupted, "Interrupted."}));
+  const bool readable = !r.fails(Rule::R1);
+  const TetQuality q = readable ? tet_quality(mesh.value()) : TetQuality{};
+  watchdog.dismiss();
+  if (command.json) {
+    nlohmann::ordered_json j = {{"ok", r.ok()},
+                                {"surface_vertices", r.surface_vertices},
+                                {"surface_faces", r.surface_faces},
+                                {"vertices", r.vertices},
+                                {"tets", r.tets},
+                                {"boundary_faces", r.boundary_faces},
+                                {"moved", {{"vertices", r.moved_vertices}, {"max_relative", r.max_move}}}};
+    j["failures"] = nlohmann::ordered_json::array();
+    for (const VerifyFailure& f : r.failures)
+      j["failures"].push_back({{"rule", "R" + std::to_string(static_cast<int>(f.rule))},
+                               {"message", f.message},
+                               {"count", f.count},
+                               {"first", f.first}});
+    if (readable)
+      j["quality"] = {{"dihedral_min", q.dihedral_min},
+                      {"dihedral_p01", q.dihedral_p01},
+                      {"dihedral_max", q.dihedral_max},
+                      {"volume", q.volume}};
+    std::puts(j.dump(2).c_str());
+  } else {
+    std::printf("surface   %lld vertices, %lld faces\n", static_cast<long long>(r.surface_vertices),
+                static_cast<long long>(r.surface_faces));
+    std::printf("tet mesh  %lld vertices, %lld tets, %lld boundary faces\n", static_cast<long long>(r.vertices),
+                static_cast<long long>(r.tets), static_cast<long long>(r.boundary_faces));
+    if (readable)
+      std::printf("dihedral  %.3g to %.4g degrees, 1 %% below %.3g\n", q.dihedral_min, q.dihedral_max, q.dihedral_p01);
+    for (const VerifyFailure& f : r.failures) std::printf("FAILED    %s\n", f.message.c_str());
+    std::puts(r.ok() ? "accepted" : "rejected");
+  }
+  if (std::fflush(stdout) != 0) return fail(terminal, {ErrorCode::io, "Cannot write to standard output."});
+  if (r.ok()) return 0;
+  return fail(terminal, {ErrorCode::unsolved, "The tet mesh is not what it should be: " + r.failures[0].message});
+}
+
+}  // namespace overtet

@@ -1,0 +1,49 @@
+// The program's commands, with their options as parsed. Internal to src/cli.
+#pragma once
+
+#include <chrono>
+#include <string>
+
+#include "overtet/run_context.h"
+#include "src/cli/terminal.h"
+
+namespace overtet {
+
+struct CommonOptions {
+  int threads = 0;             // 0: all cores
+  double time_limit = 0;       // seconds; 0: none
+  double memory_limit = 0;     // MiB; 0: none
+  bool quiet = false;
+  std::string log_level = "warning";
+  std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+
+  // Deadline, limits, cancellation by signals, messages to the terminal.
+  RunContext context(Terminal& terminal) const;
+};
+
+struct MeshCommand {
+  std::string input, output, report, format, save_stages, resume;
+  std::string on_infeasible = "reject", preset = "default";
+  double improve_degrees = 15;
+};
+
+struct InspectCommand {
+  std::string input;
+  bool json = false, pairs = false;
+};
+
+struct VerifyCommand {
+  std::string surface, mesh;
+  double max_move = 0;
+  bool json = false;
+};
+
+// Each returns the exit code.
+int run(const MeshCommand& command, const CommonOptions& common, Terminal& terminal);
+int run(const InspectCommand& command, const CommonOptions& common, Terminal& terminal);
+int run(const VerifyCommand& command, const CommonOptions& common, Terminal& terminal);
+
+// Says what went wrong and gives the exit code for it.
+int fail(Terminal& terminal, const Error& error);
+
+}  // namespace overtet

@@ -1,0 +1,36 @@
+// What the user sees on standard error: messages, and a progress bar where that is a terminal.
+#pragma once
+
+#include <chrono>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+#include "overtet/run_context.h"
+
+namespace overtet {
+
+class Terminal {
+ public:
+  Terminal(LogLevel level, bool quiet);
+  ~Terminal() { clear(); }
+
+  void progress(std::string_view stage, double fraction, std::string_view detail);
+  void log(LogLevel level, std::string_view message);
+  void say(std::string_view message);    // not with --quiet
+  void error(std::string_view message);  // always; one line
+  void clear();                          // takes the bar away
+
+ private:
+  void clear_locked();
+  void line(const char* colour, std::string_view label, std::string_view message);
+
+  LogLevel level_;
+  bool quiet_, bar_, colours_;
+  std::mutex mutex_;
+  std::size_t shown_ = 0;  // width of the bar on the screen
+  std::string stage_;
+  std::chrono::steady_clock::time_point last_{};
+};
+
+}  // namespace overtet

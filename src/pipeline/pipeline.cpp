@@ -1,0 +1,286 @@
+#include "src/pipeline/pipeline.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <functional>
+#include <new>
+#include <optional>
+
+#include "kernels/bvh/self_intersections.h"
+#include "kernels/parallel/parallel.h"
+#include "src/improve/improve.h"
+#include "src/pipeline/stage_files.h"
+#include "src/pipeline/unit_box.h"
+#include "src/pipeline/watch.h"
+#include "src/surface/topology.h"
+#include "src/tet_complex/tet_complex.h"
+#include "src/tetgen/tetgen.h"
+#include "src/verify/verify.h"
+
+namespace overtet {
+
+namespace {
+
+double cpu_seconds() {
+  double sum = 0;
+  for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+    rusage u{};
+    if (getrusage(who, &u) != 0) continue;
+    for (const timeval& t : {u.ru_utime, u.ru_stime})
+      sum += static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  }
+  return sum;
+}
+
+double seconds_since(RunContext::Clock::time_point start) {
+  return std::chrono::duration<double>(RunContext::Clock::now() - start).count();
+}
+
+class Hash {
+ public:
+  void add(const void* data, std::size_t bytes) {
+    const auto* p = static_cast<const unsigned char*>(data);
+    for (std::size_t i = 0; i < bytes; ++i) value_ = (value_ ^ p[i]) * 0x100000001b3ull;
+  }
+  void add(std::int64_t x) { add(&x, sizeof x); }
+  template <class Matrix>
+  void add_matrix(const Matrix& m) {
+    add(static_cast<std::int64_t>(m.rows()));
+    add(m.data(), sizeof(typename Matrix::Scalar) * static_cast<std::size_t>(m.size()));
+  }
+  std::string text() const {
+    char digits[24];
+    std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(value_));
+    return digits;
+  }
+
+ private:
+  std::uint64_t value_ = 0xcbf29ce484222325ull;
+};
+
+// One run: the state that the stages hand on, and what is written down about them.
+class Run {
+ public:
+  Run(const Surface& input, const PipelineOptions& options, const RunContext& context, PipelineResult& result)
+      : input_(input), options_(options), context_(context), result_(result), report_(result.report) {}
+
+  Status go();
+
+ private:
+  // Runs a stage and adds its record. A stage that has to be tried twice leaves two records.
+  template <class F>
+  auto stage(const char* name, F&& f) {
+    context_.report(name, 0);
+    const auto start = RunContext::Clock::now();
+    const double cpu = cpu_seconds();
+    StageRecord record;
+    record.name = name;
+    auto outcome = f(record);
+    record.seconds = seconds_since(start);
+    record.cpu_seconds = cpu_seconds() - cpu;
+    if (!outcome.ok()) record.figures.emplace_back("error", outcome.error().message);
+    report_.stages.push_back(std::move(record));
+    return outcome;
+  }
+
+  Status diagnose();
+  Result<TetMesh> mesh_clean();
+  Status finish(TetMesh mesh);
+  TetMesh improved(const TetMesh& mesh);
+  template <class Geometry>
+  Status save(const char* name, const Geometry& geometry) {
+    return save_ ? save_->save(name, geometry) : success();
+  }
+
+  const Surface& input_;
+  const PipelineOptions& options_;
+  const RunContext& context_;
+  PipelineResult& result_;
+  Report& report_;
+
+  Surface surface_;  // in the unit box
+  UnitBox box_;
+  SurfaceTopology topology_;
+  std::vector<FacePair> pairs_;
+  std::optional<StageFiles> save_, resume_;
+};
+
+Status Run::diagnose() {
+  return stage("diagnose", [&](StageRecord& record) -> Status {
+    report_.input.vertices = input_.V.rows();
+    report_.input.faces = input_.F.rows();
+    Result<SurfaceTopology> topology = require_topology(input_);
+    if (!topology) return topology.error();
+    topology_ = std::move(topology).value();
+    report_.input.components = static_cast<std::int64_t>(topology_.components.size());
+    for (const SurfaceComponent& c : topology_.components) report_.input.genus.push_back(c.genus);
+    surface_ = input_;
+    Result<UnitBox> box = into_unit_box(surface_.V);
+    if (!box) return box.error();
+    box_ = box.value();
+    pairs_ = find_self_intersections(surface_.V, surface_.F);
+    report_.input.pairs = static_cast<std::int64_t>(pairs_.size());
+    record.figures.emplace_back("pairs", report_.input.pairs);
+    return success();
+  });
+}
+
+Result<TetMesh> Run::mesh_clean() {
+  return stage("tet_mesh", [&](StageRecord& record) -> Result<TetMesh> {
+    Plc plc;
+    plc.V = surface_.V;
+    plc.F = surface_.F;
+    Result<TetgenResult> tets = tetrahedralize(plc, {}, context_);
+    if (!tets) return tets.error();
+    TetMesh mesh;
+    mesh.V = std::move(tets.value().V);
+    mesh.T = std::move(tets.value().T);
+    mesh.surface_vertices = static_cast<Index>(surface_.V.rows());
+    record.figures.emplace_back("tets", std::int64_t{mesh.T.rows()});
+    return mesh;
+  });
+}
+
+// The mesh after the quality pass; the mesh itself when the pass cannot be made.
+TetMesh Run::improved(const TetMesh& mesh) {
+  if (options_.improve_degrees <= 0) return mesh;
+  TetMesh better = mesh;
+  const Status done = stage("improve", [&](StageRecord& record) -> Status {
+    TetComplex complex(mesh.V, mesh.T);
+    ImproveOptions options;
+    options.target_degrees = options_.improve_degrees;
+    Result<ImproveResult> r = improve(complex, options, context_);
+    if (!r) return r.error();
+    complex.compact(mesh.surface_vertices);
+    better = complex.to_mesh(mesh.surface_vertices);
+    record.iterations = static_cast<std::int64_t>(r.value().passes.size());
+    record.figures.emplace_back("tets", std::int64_t{better.T.rows()});
+    return success();
+  });
+  return done ? better : mesh;
+}
+
+// Improves, scales back, checks and hands out.
+Status Run::finish(TetMesh mesh) {
+  if (Status s = save("mapped", mesh); !s) return s;
+  const auto check = [&](const TetMesh& m) {
+    return stage("verify", [&](StageRecord& record) -> Status {
+      const VerifyResult v = verify(input_, m, {}, context_);
+      if (!v.complete) return context_.stop().value_or(Error{ErrorCode::interrupted, "Interrupted."});
+      record.figures.emplace_back("tets", v.tets);
+      if (!v.ok()) return Error{ErrorCode::unsolved, "The tet mesh that was found is wrong: " + v.summary()};
+      return success();
+    });
+  };
+  TetMesh result = improved(mesh);
+  if (auto stop = context_.stop()) return *stop;
+  out_of_unit_box(result.V, box_);
+  Status good = check(result);
+  if (!good && good.error().code == ErrorCode::unsolved && options_.improve_degrees > 0) {
+    // The quality pass is a luxury: fall back to the mesh before it.
+    context_.note(LogLevel::warning, "The mesh after the quality pass failed the check: " + good.error().message);
+    result = std::move(mesh);
+    out_of_unit_box(result.V, box_);
+    good = check(result);
+  }
+  if (!good) return good;
+  report_.quality = tet_quality(result);
+  report_.result_hash = hash_of(result);
+  result_.mesh = std::move(result);
+  return success();
+}
+
+Status Run::go() {
+  if (Status s = diagnose(); !s) return s;
+  const std::string hash = hash_of(input_);
+  if (!options_.resume.empty()) {
+    Result<StageFiles> files = StageFiles::open(options_.resume, hash, box_);
+    if (!files) return files.error();
+    resume_ = std::move(files).value();
+  }
+  if (!options_.save_stages.empty()) {
+    Result<StageFiles> files = StageFiles::create(options_.save_stages, hash, box_);
+    if (!files) return files.error();
+    save_ = std::move(files).value();
+  }
+  if (pairs_.empty()) {
+    Result<TetMesh> mesh = mesh_clean();
+    if (!mesh) return mesh.error();
+    return finish(std::move(mesh).value());
+  }
+  return Error{ErrorCode::unsolved, "no route"};
+}
+
+}  // namespace
+
+Status PipelineOptions::validate() const {
+  if (!(improve_degrees >= 0 && improve_degrees <= 40))
+    return Error{ErrorCode::usage, "The angle for the quality pass must lie between 0 and 40 degrees."};
+  return success();
+}
+
+RunStatus status_of(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::bad_input: return RunStatus::bad_input;
+    case ErrorCode::unsolved: return RunStatus::unsolved;
+    case ErrorCode::infeasible: return RunStatus::infeasible;
+    case ErrorCode::limit: return RunStatus::limit;
+    case ErrorCode::interrupted: return RunStatus::interrupted;
+    case ErrorCode::usage:
+    case ErrorCode::io:
+    case ErrorCode::internal: return RunStatus::failed;
+  }
+  return RunStatus::failed;
+}
+
+std::string hash_of(const TetMesh& mesh) {
+  Hash h;
+  h.add_matrix(mesh.V);
+  h.add_matrix(mesh.T);
+  return h.text();
+}
+
+std::string hash_of(const Surface& surface) {
+  Hash h;
+  h.add_matrix(surface.V);
+  h.add_matrix(surface.F);
+  return h.text();
+}
+
+PipelineResult run_pipeline(const Surface& surface, const PipelineOptions& options, const RunContext& outer) {
+  PipelineResult result;
+  const auto start = RunContext::Clock::now();
+  const auto fail = [&](Error e) {
+    result.report.status = status_of(e.code);
+    result.report.message = e.message;
+    result.error = std::move(e);
+  };
+  if (Status s = options.validate(); !s) {
+    fail(s.error());
+    return result;
+  }
+  RunWatch watch(outer);
+  try {
+    const ScopedThreads threads(outer.threads);
+    Run run(surface, options, watch.context(), result);
+    if (Status s = run.go(); s.ok()) {
+      result.report.status = RunStatus::exact;
+    } else {
+      fail(watch.explained(s.error()));
+    }
+  } catch (const std::bad_alloc&) {
+    fail({ErrorCode::limit, "There is not enough memory for this model."});
+  } catch (const std::exception& e) {
+    fail({ErrorCode::internal, std::string("Internal error, please report it: ") + e.what() + "."});
+  }
+  if (!result.ok()) result.mesh = {};
+  result.report.seconds = seconds_since(start);
+  result.report.peak_rss_bytes = watch.peak_bytes();
+  return result;
+}
+
+}  // namespace overtet

@@ -1,0 +1,94 @@
+#include "src/pipeline/stage_files.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "src/io/file.h"
+#include "src/io/surface_io.h"
+#include "src/io/tet_io.h"
+#include "src/report/report.h"
+
+namespace overtet {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string index_of(const std::string& folder) { return folder + "/stages.json"; }
+
+}  // namespace
+
+Result<StageFiles> StageFiles::create(const std::string& folder, const std::string& input_hash, UnitBox box) {
+  std::error_code failed;
+  std::filesystem::create_directories(folder, failed);
+  if (failed) return Error{ErrorCode::io, "Cannot make the folder " + folder + ": " + failed.message() + "."};
+  StageFiles files;
+  files.folder_ = folder;
+  files.input_hash_ = input_hash;
+  files.box_ = box;
+  return files;
+}
+
+Result<StageFiles> StageFiles::open(const std::string& folder, const std::string& input_hash, UnitBox box) {
+  Result<std::string> text = read_file(index_of(folder));
+  if (!text) return Error{ErrorCode::io, "There is nothing to resume from in " + folder + ": " + text.error().message};
+  StageFiles files;
+  files.folder_ = folder;
+  files.input_hash_ = input_hash;
+  files.box_ = box;
+  const Json j = Json::parse(text.value(), nullptr, false);
+  if (!j.is_object() || !j.contains("input_hash") || !j["input_hash"].is_string() || !j.contains("version") ||
+      !j["version"].is_string() || !j.contains("stages") || !j["stages"].is_array())
+    return Error{ErrorCode::bad_input, index_of(folder) + " was not written by --save-stages."};
+  if (j["version"].get<std::string>() != version())
+    return Error{ErrorCode::bad_input, "The stages in " + folder + " come from Overtet " +
+                                           j["version"].get<std::string>() + ", this is " + version() + "."};
+  if (j["input_hash"].get<std::string>() != input_hash)
+    return Error{ErrorCode::bad_input, "The stages in " + folder + " belong to another input."};
+  for (const Json& name : j["stages"])
+    if (name.is_string()) files.names_.push_back(name.get<std::string>());
+  return files;
+}
+
+Status StageFiles::remember(const std::string& name) {
+  if (!has(name)) names_.push_back(name);
+  AtomicFile file;
+  if (Status s = file.open(index_of(folder_)); !s) return s;
+  const Json j = {{"version", version()}, {"input_hash", input_hash_}, {"stages", names_}};
+  if (Status s = file.write(j.dump(2) + "\n"); !s) return s;
+  return file.commit();
+}
+
+Status StageFiles::save(const std::string& name, Surface surface) {
+  out_of_unit_box(surface.V, box_);
+  if (Status s = write_surface(folder_ + "/" + name + ".ply", surface, SurfaceFormat::ply); !s) return s;
+  return remember(name);
+}
+
+Status StageFiles::save(const std::string& name, TetMesh mesh) {
+  out_of_unit_box(mesh.V, box_);
+  if (Status s = write_tets(folder_ + "/" + name + ".vtu", mesh, TetFormat::vtu); !s) return s;
+  return remember(name);
+}
+
+bool StageFiles::has(const std::string& name) const {
+  return std::find(names_.begin(), names_.end(), name) != names_.end();
+}
+
+Result<Surface> StageFiles::load_surface(const std::string& name) const {
+  Result<Surface> s = read_surface(folder_ + "/" + name + ".ply");
+  if (s.ok()) out_of_unit_box(s.value().V, UnitBox{-box_.exponent});
+  return s;
+}
+
+Result<TetMesh> StageFiles::load_mesh(const std::string& name, Index surface_vertices) const {
+  Result<TetMesh> m = read_tets(folder_ + "/" + name + ".vtu");
+  if (m.ok()) {
+    out_of_unit_box(m.value().V, UnitBox{-box_.exponent});
+    m.value().surface_vertices = surface_vertices;
+  }
+  return m;
+}
+
+}  // namespace overtet

@@ -1,0 +1,89 @@
+#include "src/report/report.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace overtet {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json value_of(const Figure& figure) {
+  return std::visit([](const auto& x) { return Json(x); }, figure.second);
+}
+
+// Coordinates that are plain numbers appear as numbers, exact fractions as strings.
+Json coordinate(const std::string& text) {
+  char* end = nullptr;
+  const double x = std::strtod(text.c_str(), &end);
+  return end && *end == '\0' && !text.empty() && std::isfinite(x) ? Json(x) : Json(text);
+}
+
+}  // namespace
+
+const char* name_of(RunStatus status) {
+  switch (status) {
+    case RunStatus::exact: return "exact";
+    case RunStatus::repaired: return "repaired";
+    case RunStatus::infeasible: return "infeasible";
+    case RunStatus::unsolved: return "unsolved";
+    case RunStatus::bad_input: return "bad-input";
+    case RunStatus::limit: return "limit";
+    case RunStatus::interrupted: return "interrupted";
+    case RunStatus::failed: return "failed";
+  }
+  return "failed";
+}
+
+std::string version() { return OVERTET_VERSION; }
+
+std::string to_json(const Report& r) {
+  Json j;
+  j["version"] = version();
+  j["options"] = Json::object();
+  for (const Figure& f : r.options) j["options"][f.first] = value_of(f);
+  Json& input = j["input"];
+  input = {{"vertices", r.input.vertices}, {"faces", r.input.faces}, {"components", r.input.components},
+           {"genus", r.input.genus},       {"pairs", r.input.pairs}, {"hinges", r.input.hinges}};
+  input["winding_min"] = r.input.winding_min ? Json(*r.input.winding_min) : Json();
+  input["winding_max"] = r.input.winding_max ? Json(*r.input.winding_max) : Json();
+  input["format"] = r.input.format;
+  if (!r.input.notes.empty()) input["notes"] = r.input.notes;
+  j["status"] = name_of(r.status);
+  j["message"] = r.message;
+  if (r.witness) {
+    Json& w = j["witness"];
+    w = Json::object();
+    if (r.witness->point) {
+      w["point"] = Json::array();
+      for (const std::string& c : *r.witness->point) w["point"].push_back(coordinate(c));
+      w["winding"] = r.witness->winding;
+    }
+    if (r.witness->vertex) {
+      w["vertex"] = *r.witness->vertex;
+      w["b0"] = r.witness->b0;
+    }
+    if (r.witness->face) w["face"] = *r.witness->face;
+  }
+  j["moved"] = {{"vertices", r.moved_vertices}, {"max_relative", r.max_relative_move}};
+  j["stages"] = Json::array();
+  for (const StageRecord& s : r.stages) {
+    Json stage = {{"name", s.name}, {"seconds", s.seconds}, {"cpu_seconds", s.cpu_seconds}, {"iterations", s.iterations}};
+    for (const Figure& f : s.figures) stage[f.first] = value_of(f);
+    j["stages"].push_back(stage);
+  }
+  if (r.quality)
+    j["quality"] = {{"tets", r.quality->tets},
+                    {"dihedral_min", r.quality->dihedral_min},
+                    {"dihedral_p01", r.quality->dihedral_p01},
+                    {"dihedral_max", r.quality->dihedral_max},
+                    {"volume", r.quality->volume}};
+  j["seconds"] = r.seconds;
+  j["peak_rss_bytes"] = r.peak_rss_bytes;
+  j["result_hash"] = r.result_hash.empty() ? Json() : Json(r.result_hash);
+  // Messages quote what users wrote, which need not be UTF-8.
+  return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace overtet

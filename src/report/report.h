@@ -1,0 +1,66 @@
+// What a run says about itself, as data and as JSON (the contract is in the README: "The report").
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "src/verify/verify.h"
+
+namespace overtet {
+
+enum class RunStatus { exact, repaired, infeasible, unsolved, bad_input, limit, interrupted, failed };
+const char* name_of(RunStatus status);  // as in the report, for instance "bad-input"
+
+// A figure of a report: shown under its name.
+using Figure = std::pair<std::string, std::variant<std::int64_t, double, std::string, bool>>;
+
+struct StageRecord {
+  std::string name;
+  double seconds = 0, cpu_seconds = 0;  // children included
+  std::int64_t iterations = 0;
+  std::vector<Figure> figures;
+};
+
+// Why no tet mesh exists: a point of negative winding number (its coordinates as decimal numbers or exact
+// fractions), or a vertex whose neighbourhood positive tets cannot fill (B0 < 0), or a face.
+struct WitnessRecord {
+  std::optional<std::array<std::string, 3>> point;
+  int winding = 0;
+  std::optional<Index> vertex;
+  int b0 = 0;
+  std::optional<Index> face;
+};
+
+struct InputRecord {
+  std::string format;
+  std::vector<std::string> notes;
+  std::int64_t vertices = 0, faces = 0, components = 0;
+  std::vector<std::int64_t> genus;  // of each component
+  std::int64_t pairs = 0, hinges = 0;
+  std::optional<int> winding_min, winding_max;  // absent: not looked at
+};
+
+struct Report {
+  std::vector<Figure> options;  // as the run used them
+  InputRecord input;
+  RunStatus status = RunStatus::failed;
+  std::string message;
+  std::optional<WitnessRecord> witness;
+  std::int64_t moved_vertices = 0;
+  double max_relative_move = 0;
+  std::vector<StageRecord> stages;
+  std::optional<TetQuality> quality;
+  double seconds = 0;
+  std::size_t peak_rss_bytes = 0;
+  std::string result_hash;  // of the vertices and tets, empty without a result
+};
+
+std::string version();  // of Overtet
+std::string to_json(const Report& report);  // indented, with a line end
+
+}  // namespace overtet
