@@ -45,7 +45,8 @@ void dihedral_sines(const Vector3d& a, const Vector3d& b, const Vector3d& c, con
   const Vector3d nc = ab.cross(ad), na = bc.cross(bd), nb = ca.cross(cd);
   const double qa = na.squaredNorm(), qb = nb.squaredNorm(), qc = nc.squaredNorm(), qd = nd.squaredNorm();
   const Vector3d ga = na.cross(bc) / qa, gb = nb.cross(ca) / qb, gc = nc.cross(ab) / qc;
-  const double det = std::max(nd.dot(ad), 1e-300);
+  // A volume lost in rounding still has a direction in which it grows.
+  const double det = std::max(nd.dot(ad), 1e-17 * std::sqrt(qd) * ad.norm());
   const Vector3d gv = nd / det;
   const double la = std::sqrt(qa), lb = std::sqrt(qb), lc = std::sqrt(qc), ld = std::sqrt(qd);
   out.sine = {det * ab.norm() / (lc * ld), det * bc.norm() / (la * ld), det * ca.norm() / (lb * ld),

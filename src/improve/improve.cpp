@@ -112,7 +112,7 @@ Result<ImproveResult> improve(TetComplex& mesh, const ImproveOptions& options, c
       if (done) continue;
       for (const Index v : c)
         if (still(b) && work.smooth(v)) ++record.smoothed;
-      if (!strong || !still(b)) continue;
+      if (!(strong || b.quality < kThin) || !still(b)) continue;
       for (const auto& e : kEdges) {
         if (done) break;
         if (work.collapse(c[e[0]], c[e[1]]) || work.collapse(c[e[1]], c[e[0]])) {
@@ -120,7 +120,7 @@ Result<ImproveResult> improve(TetComplex& mesh, const ImproveOptions& options, c
           done = true;
         }
       }
-      if (done || !options.insert_vertices) continue;
+      if (done || !strong || !options.insert_vertices) continue;
       for (const auto& e : kEdges) {
         if (done) break;
         if (work.insert_at_edge(b.tet, c[e[0]], c[e[1]])) done = true;

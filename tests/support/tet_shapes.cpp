@@ -68,28 +68,40 @@ Surface torus_surface(int around, int across, double R, double r) {
   return from_lists(V, F);
 }
 
-TetMesh grid_tets(int n, double jitter, unsigned seed) {
+TetMesh grid_tets(int n, double jitter, unsigned seed) { return grid_tets(n, n, n, jitter, seed); }
+
+TetMesh bent_grid(int n, double degrees, double jitter, unsigned seed) {
+  const int nx = static_cast<int>(degrees / 20) + n;
+  TetMesh mesh = grid_tets(nx, n, n, jitter, seed);
+  for (Eigen::Index v = 0; v < mesh.V.rows(); ++v) {
+    const double angle = mesh.V(v, 0) / nx * degrees * M_PI / 180;
+    const double radius = 1.5 + mesh.V(v, 1) / n;
+    mesh.V.row(v) << radius * std::sin(angle), radius * std::cos(angle), mesh.V(v, 2) / n;
+  }
+  return mesh;
+}
+
+TetMesh grid_tets(int nx, int ny, int nz, double jitter, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> offset(-jitter, jitter);
   TetMesh mesh;
-  const int m = n + 1;
-  mesh.V.resize(m * m * m, 3);
-  const auto at = [m](int x, int y, int z) { return static_cast<Index>((z * m + y) * m + x); };
-  for (int z = 0; z < m; ++z)
-    for (int y = 0; y < m; ++y)
-      for (int x = 0; x < m; ++x) {
-        const bool inside = x > 0 && x < n && y > 0 && y < n && z > 0 && z < n;
+  mesh.V.resize((nx + 1) * (ny + 1) * (nz + 1), 3);
+  const auto at = [=](int x, int y, int z) { return static_cast<Index>((z * (ny + 1) + y) * (nx + 1) + x); };
+  for (int z = 0; z <= nz; ++z)
+    for (int y = 0; y <= ny; ++y)
+      for (int x = 0; x <= nx; ++x) {
+        const bool inside = x > 0 && x < nx && y > 0 && y < ny && z > 0 && z < nz;
         Eigen::RowVector3d p(x, y, z);
         if (inside)
           for (int k = 0; k < 3; ++k) p[k] += offset(random);
         mesh.V.row(at(x, y, z)) = p;
       }
-  mesh.T.resize(6 * n * n * n, 4);
+  mesh.T.resize(6 * nx * ny * nz, 4);
   int row = 0;
   const int axes[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
-  for (int z = 0; z < n; ++z)
-    for (int y = 0; y < n; ++y)
-      for (int x = 0; x < n; ++x)
+  for (int z = 0; z < nz; ++z)
+    for (int y = 0; y < ny; ++y)
+      for (int x = 0; x < nx; ++x)
         for (const auto& axis : axes) {
           std::array<int, 3> p{x, y, z};
           std::array<Index, 4> t{at(x, y, z), 0, 0, 0};
