@@ -30,9 +30,9 @@ double min_dihedral_sine(const Vector3d& a, const Vector3d& b, const Vector3d& c
   }
   // sin at an edge = det * length / (product of the two normals beside it), everything squared.
   const double qa = na.squaredNorm(), qb = nb.squaredNorm(), qc = nc.squaredNorm(), qd = nd.squaredNorm();
-  const double least = std::min({ab.squaredNorm() / (qc * qd), ac.squaredNorm() / (qb * qd),
-                                 bc.squaredNorm() / (qa * qd), ad.squaredNorm() / (qb * qc),
-                                 bd.squaredNorm() / (qa * qc), cd.squaredNorm() / (qa * qb)});
+  const double least =
+      std::min({ab.squaredNorm() / (qc * qd), ac.squaredNorm() / (qb * qd), bc.squaredNorm() / (qa * qd),
+                ad.squaredNorm() / (qb * qc), bd.squaredNorm() / (qa * qc), cd.squaredNorm() / (qa * qb)});
   const double sine = det * std::sqrt(least);
   return sine > kThinnest ? std::min(sine, 1.0) : kThinnest;  // also when a face has no computed area
 }

@@ -82,7 +82,8 @@ Result<ImproveResult> improve(TetComplex& mesh, const ImproveOptions& options, c
     record.worst_sine = bad.front().quality;
     if (bad.front().quality < kThin && extra < kExtraPassesForThin) ++extra;
     context.report("improve", double(pass) / (options.passes + extra),
-                   std::to_string(bad.size()) + " tets below " + std::to_string(int(options.target_degrees)) + " degrees");
+                   std::to_string(bad.size()) + " tets below " + std::to_string(int(options.target_degrees)) +
+                       " degrees");
 
     int count = 0;
     for (const Bad& b : bad) {

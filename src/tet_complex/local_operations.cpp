@@ -368,7 +368,8 @@ double LocalOperations::optimise(Vector3d& x, double q, int rounds) {
           active[n] = a.gradient;
           value[n++] = a.log_sine;
         } else {
-          const int worst_kept = static_cast<int>(std::max_element(value.begin(), value.end()) - value.begin());
+          const int worst_kept =
+              static_cast<int>(std::max_element(value.begin(), value.end()) - value.begin());
           if (a.log_sine < value[worst_kept]) {
             active[worst_kept] = a.gradient;
             value[worst_kept] = a.log_sine;
@@ -553,7 +554,8 @@ bool LocalOperations::insert(Tets& cavity, const Vector3d& start) {
     double least = kInfinity;
     Face at{};
     for (const Face& f : hull_) {
-      const double here = min_dihedral_sine(mesh_.position(f[0]), mesh_.position(f[1]), mesh_.position(f[2]), x);
+      const double here =
+          min_dihedral_sine(mesh_.position(f[0]), mesh_.position(f[1]), mesh_.position(f[2]), x);
       if (here < least) {
         least = here;
         at = f;
@@ -617,8 +619,9 @@ bool LocalOperations::insert_at_edge(Index t, Index a, Index b) {
 bool LocalOperations::insert_at_tet(Index t) {
   cavity_ = {t};
   const auto& c = mesh_.tet(t);
-  return insert(cavity_,
-                (mesh_.position(c[0]) + mesh_.position(c[1]) + mesh_.position(c[2]) + mesh_.position(c[3])) / 4);
+  return insert(
+      cavity_,
+      (mesh_.position(c[0]) + mesh_.position(c[1]) + mesh_.position(c[2]) + mesh_.position(c[3])) / 4);
 }
 
 }  // namespace overtet

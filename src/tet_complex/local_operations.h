@@ -34,9 +34,9 @@ class LocalOperations {
   explicit LocalOperations(TetComplex& mesh);
 
   const TetComplex& mesh() const { return mesh_; }
-  double quality(Index t) const { return quality_[t]; }    // min_dihedral_sine
-  bool fixed(Index v) const { return fixed_[v] != 0; }     // on the boundary (or pinned)
-  void pin(Index v) { fixed_[v] = 1; }                     // treat an interior vertex like a boundary one
+  double quality(Index t) const { return quality_[t]; }  // min_dihedral_sine
+  bool fixed(Index v) const { return fixed_[v] != 0; }   // on the boundary (or pinned)
+  void pin(Index v) { fixed_[v] = 1; }                   // treat an interior vertex like a boundary one
   // New or changed tets of the last operation that returned true.
   const std::vector<Index>& changed() const { return changed_; }
   // When false, no operation makes an interior edge between two fixed vertices. Default: allowed.

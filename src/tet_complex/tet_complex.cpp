@@ -34,9 +34,7 @@ void sort3(Index& a, Index& b, Index& c) {
 }
 
 bool same(const auto& x, const auto& y) { return x.a == y.a && x.b == y.b && x.c == y.c; }
-bool before(const auto& x, const auto& y) {
-  return std::tie(x.a, x.b, x.c) < std::tie(y.a, y.b, y.c);
-}
+bool before(const auto& x, const auto& y) { return std::tie(x.a, x.b, x.c) < std::tie(y.a, y.b, y.c); }
 
 }  // namespace
 

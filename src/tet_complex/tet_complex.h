@@ -57,7 +57,7 @@ class TetComplex {
   // A live tet with the face a-b-c, or -1.
   Index tet_with_face(Index a, Index b, Index c) const;
   bool has_edge(Index a, Index b) const;
-  bool on_boundary(Index v) const;             // has a boundary face in its star
+  bool on_boundary(Index v) const;  // has a boundary face in its star
   bool edge_on_boundary(Index a, Index b) const;
   std::vector<std::array<Index, 3>> boundary() const;  // oriented outward
 

@@ -37,7 +37,8 @@ std::vector<Edge> chords(const TetComplex& mesh, const LocalOperations& work) {
   }
   sort_unique(all);
   std::vector<Edge> inside;
-  std::set_difference(all.begin(), all.end(), on_surface.begin(), on_surface.end(), std::back_inserter(inside));
+  std::set_difference(all.begin(), all.end(), on_surface.begin(), on_surface.end(),
+                      std::back_inserter(inside));
   return inside;
 }
 
@@ -59,8 +60,9 @@ bool fixed_tet(const TetComplex& mesh, const LocalOperations& work, Index t) {
 Status pre_split(TetComplex& mesh, TetMeshResult& result, const RunContext& context) {
   LocalOperations work(mesh);
   const auto failed = [](const char* what) {
-    return Error{ErrorCode::unsolved, std::string("An interior ") + what +
-                                          " between boundary vertices is too thin to be split in double precision."};
+    return Error{ErrorCode::unsolved,
+                 std::string("An interior ") + what +
+                     " between boundary vertices is too thin to be split in double precision."};
   };
   for (const auto& [a, b] : chords(mesh, work)) {
     if (auto error = context.stop()) return *error;
@@ -109,7 +111,8 @@ Status TetMeshOptions::validate() const {
   return tetgen.validate();
 }
 
-Result<TetMeshResult> tet_mesh(const Surface& embedded, const TetMeshOptions& options, const RunContext& context) {
+Result<TetMeshResult> tet_mesh(const Surface& embedded, const TetMeshOptions& options,
+                               const RunContext& context) {
   if (auto status = options.validate(); !status.ok()) return status.error();
   const auto begin = RunContext::Clock::now();
   TetgenOptions tetgen;
@@ -138,7 +141,8 @@ Result<TetMeshResult> tet_mesh(const Surface& embedded, const TetMeshOptions& op
   return result;
 }
 
-Status check_postconditions(const TetMeshResult& result, const Surface& embedded, const TetMeshOptions& options) {
+Status check_postconditions(const TetMeshResult& result, const Surface& embedded,
+                            const TetMeshOptions& options) {
   const auto broken = [](const std::string& what) {
     return Error{ErrorCode::internal, "The tet mesh of the embedding is wrong: " + what + "."};
   };

@@ -30,9 +30,11 @@ struct TetMeshResult {
 
 // pre: `embedded` is closed and does not intersect itself; outward faces.
 // Errors: those of tetrahedralize(); unsolved when a split is not possible in double precision.
-Result<TetMeshResult> tet_mesh(const Surface& embedded, const TetMeshOptions& options, const RunContext& context);
+Result<TetMeshResult> tet_mesh(const Surface& embedded, const TetMeshOptions& options,
+                               const RunContext& context);
 
 // The guarantees above, checked exactly; for tests and --check.
-Status check_postconditions(const TetMeshResult& result, const Surface& embedded, const TetMeshOptions& options);
+Status check_postconditions(const TetMeshResult& result, const Surface& embedded,
+                            const TetMeshOptions& options);
 
 }  // namespace overtet

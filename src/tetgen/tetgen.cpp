@@ -177,7 +177,7 @@ Error explain_end(int status, const RunContext& context) {
     if (signal == SIGXCPU) return Error{ErrorCode::limit, "The time limit was reached in TetGen."};
     if (context.memory_limit_bytes > 0 && signal == SIGKILL)
       return Error{ErrorCode::limit, "TetGen was killed, most likely for lack of memory."};
-    const char* name = signal == SIGSEGV  ? "a segmentation fault"
+    const char* name = signal == SIGSEGV   ? "a segmentation fault"
                        : signal == SIGABRT ? "an abort"
                        : signal == SIGFPE  ? "an arithmetic fault"
                                            : strsignal(signal);
@@ -219,9 +219,8 @@ Status check_input(const Plc& plc) {
   std::sort(order.begin(), order.end(), less);
   for (Eigen::Index i = 0; i + 1 < n; ++i)
     if (!less(order[i], order[i + 1]))
-      return Error{ErrorCode::bad_input, "Vertices " +
-                                             std::to_string(std::min(order[i], order[i + 1])) + " and " +
-                                             std::to_string(std::max(order[i], order[i + 1])) +
+      return Error{ErrorCode::bad_input, "Vertices " + std::to_string(std::min(order[i], order[i + 1])) +
+                                             " and " + std::to_string(std::max(order[i], order[i + 1])) +
                                              " have the same coordinates."};
   return success();
 }
@@ -282,7 +281,8 @@ Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options
   };
   const VertexMatrix V = scaled(plc.V, -exponent);
   if (scaled(V, exponent) != plc.V)
-    return Error{ErrorCode::bad_input, "Some coordinates are too small beside the others to be scaled exactly."};
+    return Error{ErrorCode::bad_input,
+                 "Some coordinates are too small beside the others to be scaled exactly."};
   const VertexMatrix holes = scaled(plc.holes, -exponent);
 
   Child child;
@@ -304,11 +304,10 @@ Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options
   const auto talk = [&]() -> Result<bool> {
     const auto send = [&](const void* data, std::size_t bytes) { return child.send(data, bytes, context); };
     const auto receive = [&](void* data, std::size_t bytes) { return child.receive(data, bytes, context); };
-    for (const auto& [data, bytes] :
-         {std::pair<const void*, std::size_t>{&request, sizeof request},
-          {V.data(), sizeof(double) * V.size()},
-          {plc.F.data(), sizeof(Index) * plc.F.size()},
-          {holes.data(), sizeof(double) * holes.size()}})
+    for (const auto& [data, bytes] : {std::pair<const void*, std::size_t>{&request, sizeof request},
+                                      {V.data(), sizeof(double) * V.size()},
+                                      {plc.F.data(), sizeof(Index) * plc.F.size()},
+                                      {holes.data(), sizeof(double) * holes.size()}})
       if (auto sent = send(data, bytes); !sent.ok() || !sent.value()) return sent;
     if (auto got = receive(&reply, sizeof reply); !got.ok() || !got.value()) return got;
     if (reply.magic != tetgen_wire::kMagic || reply.outcome != Outcome::done) return true;
@@ -337,17 +336,19 @@ Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options
   if (!talk.value() || reply.magic != tetgen_wire::kMagic) return explain_end(status, context);
 
   switch (reply.outcome) {
-    case Outcome::done: break;
+    case Outcome::done:
+      break;
     case Outcome::out_of_memory:
       return Error{ErrorCode::limit, "TetGen ran out of memory; allow more with --memory-limit."};
     case Outcome::not_positive:
       return unsolved("TetGen made " + std::to_string(reply.count) + " tets without volume.");
     case Outcome::gave_up:
       return unsolved(reply.tetgen_code == 3 ? "TetGen found facets that cross each other."
-                      : reply.tetgen_code == 4 ? "TetGen found features below its tolerance."
-                                               : "TetGen gave up (its code " +
-                                                     std::to_string(reply.tetgen_code) + ").");
-    case Outcome::protocol: return Error{ErrorCode::internal, "overtet-tetgen did not understand its input."};
+                      : reply.tetgen_code == 4
+                          ? "TetGen found features below its tolerance."
+                          : "TetGen gave up (its code " + std::to_string(reply.tetgen_code) + ").");
+    case Outcome::protocol:
+      return Error{ErrorCode::internal, "overtet-tetgen did not understand its input."};
   }
   if (result.T.rows() == 0) return unsolved("TetGen found no volume inside the facets; are they closed?");
 

@@ -24,19 +24,30 @@ Surface from_lists(const std::vector<Eigen::Vector3d>& V, const std::vector<std:
 Surface box_surface(double x, double y, double z) {
   std::vector<Eigen::Vector3d> V;
   for (int i = 0; i < 8; ++i) V.emplace_back(i & 1 ? x : 0, i & 2 ? y : 0, i & 4 ? z : 0);
-  return from_lists(V, {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
-                        {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}});
+  return from_lists(V, {{0, 2, 3},
+                        {0, 3, 1},
+                        {4, 5, 7},
+                        {4, 7, 6},
+                        {0, 1, 5},
+                        {0, 5, 4},
+                        {2, 6, 7},
+                        {2, 7, 3},
+                        {0, 4, 6},
+                        {0, 6, 2},
+                        {1, 3, 7},
+                        {1, 7, 5}});
 }
 
 Surface sphere_surface(int subdivisions) {
   const double t = (1 + std::sqrt(5.0)) / 2;
-  std::vector<Eigen::Vector3d> V = {{-1, t, 0}, {1, t, 0}, {-1, -t, 0}, {1, -t, 0}, {0, -1, t}, {0, 1, t},
-                                    {0, -1, -t}, {0, 1, -t}, {t, 0, -1}, {t, 0, 1}, {-t, 0, -1}, {-t, 0, 1}};
+  std::vector<Eigen::Vector3d> V = {{-1, t, 0}, {1, t, 0}, {-1, -t, 0}, {1, -t, 0},
+                                    {0, -1, t}, {0, 1, t}, {0, -1, -t}, {0, 1, -t},
+                                    {t, 0, -1}, {t, 0, 1}, {-t, 0, -1}, {-t, 0, 1}};
   for (auto& p : V) p.normalize();
-  std::vector<std::array<Index, 3>> F = {
-      {0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-      {11, 10, 2}, {10, 7, 6}, {7, 1, 8}, {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8},
-      {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}};
+  std::vector<std::array<Index, 3>> F = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
+                                         {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                                         {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
+                                         {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
   for (int s = 0; s < subdivisions; ++s) {
     std::map<std::pair<Index, Index>, Index> middle;
     const auto mid = [&](Index a, Index b) {
@@ -60,7 +71,8 @@ Surface torus_surface(int around, int across, double R, double r) {
   for (int i = 0; i < around; ++i)
     for (int j = 0; j < across; ++j) {
       const double u = 2 * M_PI * i / around, v = 2 * M_PI * j / across;
-      V.emplace_back((R + r * std::cos(v)) * std::cos(u), (R + r * std::cos(v)) * std::sin(u), r * std::sin(v));
+      V.emplace_back((R + r * std::cos(v)) * std::cos(u), (R + r * std::cos(v)) * std::sin(u),
+                     r * std::sin(v));
       const auto at = [&](int a, int b) { return static_cast<Index>((a % around) * across + b % across); };
       F.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
       F.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});

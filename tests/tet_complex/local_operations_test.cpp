@@ -18,7 +18,8 @@ double worst_tet(const TetComplex& c) {
   for (Index t = 0; t < c.tet_capacity(); ++t) {
     if (!c.alive(t)) continue;
     const auto& v = c.tet(t);
-    q = std::min(q, min_dihedral_sine(c.position(v[0]), c.position(v[1]), c.position(v[2]), c.position(v[3])));
+    q = std::min(q,
+                 min_dihedral_sine(c.position(v[0]), c.position(v[1]), c.position(v[2]), c.position(v[3])));
   }
   return q;
 }
@@ -52,15 +53,34 @@ TEST(LocalOperations, RandomOperationsKeepEverything) {
       const int kind = static_cast<int>(random() % 9);
       const double before = step % 16 == 0 ? worst_tet(c) : 0;
       switch (kind) {
-        case 0: ok = uniform(random) < 0.2 && work.split_edge(v[i], v[j], (1 - s) * p(i) + s * p(j)); break;
-        case 1: ok = uniform(random) < 0.2 && work.split_face(t, i, (p((i + 1) % 4) + p((i + 2) % 4) + p((i + 3) % 4)) / 3); break;
-        case 2: ok = uniform(random) < 0.2 && work.split_tet(t, (p(0) + p(1) + p(2) + p(3)) / 4); break;
-        case 3: ok = work.flip_23(t, i); break;
-        case 4: ok = work.remove_edge(t, v[i], v[j]); break;
-        case 5: ok = work.collapse(v[i], v[j], uniform(random) < 0.5 ? 0 : 1e9); break;
-        case 6: ok = work.insert_at_edge(t, v[i], v[j]); break;
-        case 7: ok = uniform(random) < 0.5 ? work.insert_at_tet(t) : work.smooth(v[i]); break;
-        case 8: ok = work.move_towards(v[i], p(j)); break;
+        case 0:
+          ok = uniform(random) < 0.2 && work.split_edge(v[i], v[j], (1 - s) * p(i) + s * p(j));
+          break;
+        case 1:
+          ok = uniform(random) < 0.2 &&
+               work.split_face(t, i, (p((i + 1) % 4) + p((i + 2) % 4) + p((i + 3) % 4)) / 3);
+          break;
+        case 2:
+          ok = uniform(random) < 0.2 && work.split_tet(t, (p(0) + p(1) + p(2) + p(3)) / 4);
+          break;
+        case 3:
+          ok = work.flip_23(t, i);
+          break;
+        case 4:
+          ok = work.remove_edge(t, v[i], v[j]);
+          break;
+        case 5:
+          ok = work.collapse(v[i], v[j], uniform(random) < 0.5 ? 0 : 1e9);
+          break;
+        case 6:
+          ok = work.insert_at_edge(t, v[i], v[j]);
+          break;
+        case 7:
+          ok = uniform(random) < 0.5 ? work.insert_at_tet(t) : work.smooth(v[i]);
+          break;
+        case 8:
+          ok = work.move_towards(v[i], p(j));
+          break;
       }
       done[kind] += ok;
       if (ok && kind > 2 && kind != 5 && step % 16 == 0) {
@@ -87,8 +107,8 @@ TEST(LocalOperations, RandomOperationsKeepEverything) {
 }
 
 // The edge removal's dynamic programme against all triangulations of the ring polygon.
-double best_by_hand(const std::vector<Eigen::Vector3d>& ring, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                    std::size_t i, std::size_t j) {
+double best_by_hand(const std::vector<Eigen::Vector3d>& ring, const Eigen::Vector3d& a,
+                    const Eigen::Vector3d& b, std::size_t i, std::size_t j) {
   if (j - i < 2) return 2;
   double best = 0;
   for (std::size_t k = i + 1; k < j; ++k)
@@ -107,7 +127,8 @@ TEST(LocalOperations, EdgeRemovalFindsTheBestTriangulation) {
     const std::size_t n = 3 + trial % 6;
     std::vector<Eigen::Vector3d> ring;
     for (std::size_t i = 0; i < n; ++i) {
-      const double angle = 2 * M_PI * (double(i) + 0.4 * uniform(random)) / double(n), r = 0.5 + uniform(random);
+      const double angle = 2 * M_PI * (double(i) + 0.4 * uniform(random)) / double(n),
+                   r = 0.5 + uniform(random);
       ring.emplace_back(r * std::cos(angle), r * std::sin(angle), 0.3 * uniform(random));
     }
     const Eigen::Vector3d a(0, 0, -0.3 - uniform(random)), b(0, 0, 0.7 + uniform(random));

@@ -72,7 +72,8 @@ void expect_consistent(const TetComplex& c) {
       c.ring(v, w, tets);
       ASSERT_EQ(both, std::set<Index>(tets.begin(), tets.end()));
       bool edge_on = false;
-      for (const auto& f : boundary) edge_on = edge_on || (has({f[0], f[1], f[2], -1}, v) && has({f[0], f[1], f[2], -1}, w));
+      for (const auto& f : boundary)
+        edge_on = edge_on || (has({f[0], f[1], f[2], -1}, v) && has({f[0], f[1], f[2], -1}, w));
       ASSERT_EQ(edge_on, c.edge_on_boundary(v, w));
       ASSERT_TRUE(c.has_edge(v, w));
       // The link: consecutive, and each tet an even permutation of (v, w, link[i], link[i + 1]).
@@ -83,7 +84,8 @@ void expect_consistent(const TetComplex& c) {
         const std::array<Index, 4> want{v, w, link[i], link[(i + 1) % link.size()]};
         const auto& is = c.tet(tets[i]);
         int p[4];
-        for (int k = 0; k < 4; ++k) p[k] = static_cast<int>(std::find(is.begin(), is.end(), want[k]) - is.begin());
+        for (int k = 0; k < 4; ++k)
+          p[k] = static_cast<int>(std::find(is.begin(), is.end(), want[k]) - is.begin());
         int inversions = 0;
         for (int x = 0; x < 4; ++x)
           for (int y = x + 1; y < 4; ++y) inversions += p[x] > p[y];
@@ -124,7 +126,8 @@ TEST(TetComplex, ReplaceMatchesBruteForce) {
     while (!c.alive(t));
     const TetComplex::Tet tet = c.tet(t);
     if (step % 3 != 2) {
-      const Index v = c.add_vertex((c.position(tet[0]) + c.position(tet[1]) + c.position(tet[2]) + c.position(tet[3])) / 4);
+      const Index v = c.add_vertex(
+          (c.position(tet[0]) + c.position(tet[1]) + c.position(tet[2]) + c.position(tet[3])) / 4);
       std::vector<TetComplex::Tet> added;
       for (int k = 0; k < 4; ++k) {
         added.push_back(tet);

@@ -1,9 +1,9 @@
 #include "src/tetgen/tetgen.h"
 
 #include <gtest/gtest.h>
-#include <Eigen/Geometry>
 #include <signal.h>
 #include <unistd.h>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <array>
@@ -66,7 +66,8 @@ int children_alive() {
 }
 
 TEST(Tetgen, BoxAndSphereAreFilledWithPositiveTets) {
-  for (const Surface& s : {test::box_surface(1, 2, 3), test::sphere_surface(2), test::torus_surface(24, 12, 2, .7)})
+  for (const Surface& s :
+       {test::box_surface(1, 2, 3), test::sphere_surface(2), test::torus_surface(24, 12, 2, .7)})
     for (const bool quality : {false, true}) {
       TetgenOptions options;
       options.quality = quality;
@@ -96,7 +97,8 @@ TEST(Tetgen, ScaleByPowersOfTwoChangesNoBit) {
     const auto other = tetrahedralize(plc, {}, {});
     ASSERT_TRUE(other.ok()) << other.error().message;
     EXPECT_EQ(one.value().T, other.value().T);
-    EXPECT_EQ(one.value().V, VertexMatrix(other.value().V.unaryExpr([e](double x) { return std::ldexp(x, -e); })));
+    EXPECT_EQ(one.value().V,
+              VertexMatrix(other.value().V.unaryExpr([e](double x) { return std::ldexp(x, -e); })));
   }
 }
 
@@ -147,7 +149,8 @@ TEST(Tetgen, InternalFacetsMarkersHolesAndHull) {
 TEST(Tetgen, BadInputIsAnErrorThatNamesTheElement) {
   const auto code = [](const Plc& plc) {
     const auto r = tetrahedralize(plc, {}, {});
-    return r.ok() ? std::string("ok") : std::to_string(static_cast<int>(r.error().code)) + " " + r.error().message;
+    return r.ok() ? std::string("ok")
+                  : std::to_string(static_cast<int>(r.error().code)) + " " + r.error().message;
   };
   Plc plc = plc_of(test::sphere_surface(1));
   Plc bad = plc;

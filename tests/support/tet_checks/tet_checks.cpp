@@ -48,10 +48,12 @@ void expect_valid(const TetComplex& c) {
                           c.position(v[3]).data()))
         << "tet " << t;
     for (int k = 0; k < 4; ++k) ASSERT_TRUE(oriented.insert(outer(v, k)).second) << "face of tet " << t;
-    const auto angle = dihedral_angles(c.position(v[0]), c.position(v[1]), c.position(v[2]), c.position(v[3]));
+    const auto angle =
+        dihedral_angles(c.position(v[0]), c.position(v[1]), c.position(v[2]), c.position(v[3]));
     static constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
     for (int e = 0; e < 6; ++e)
-      turn[{std::min(v[kEdges[e][0]], v[kEdges[e][1]]), std::max(v[kEdges[e][0]], v[kEdges[e][1]])}] += angle[e];
+      turn[{std::min(v[kEdges[e][0]], v[kEdges[e][1]]), std::max(v[kEdges[e][0]], v[kEdges[e][1]])}] +=
+          angle[e];
     for (const Index x : v) stars[x].push_back(t);
   }
   const FaceSet boundary = boundary_faces(c);
@@ -91,7 +93,8 @@ void expect_valid(const TetComplex& c) {
       parent[root(e[0])] = root(e[1]);
     }
     for (const Index x : corners) ASSERT_EQ(root(*corners.begin()), root(x)) << "link of " << v;
-    const auto euler = static_cast<int>(corners.size()) - static_cast<int>(edges.size()) + static_cast<int>(star.size());
+    const auto euler =
+        static_cast<int>(corners.size()) - static_cast<int>(edges.size()) + static_cast<int>(star.size());
     ASSERT_EQ(boundary_vertices.count(v) ? 1 : 2, euler) << "link of " << v;
     ASSERT_EQ(boundary_vertices.count(v) > 0, open > 0);
   }
