@@ -40,6 +40,11 @@ double seconds_since(RunContext::Clock::time_point start) {
   return std::chrono::duration<double>(RunContext::Clock::now() - start).count();
 }
 
+// How long TetGen's refinement may take: 445 000 faces take 14 s.
+RunContext::Clock::duration quality_time(Eigen::Index faces) {
+  return std::chrono::milliseconds(10000 + faces / 5);
+}
+
 class Hash {
  public:
   void add(const void* data, std::size_t bytes) {
@@ -134,7 +139,17 @@ Result<TetMesh> Run::mesh_clean() {
     Plc plc;
     plc.V = surface_.V;
     plc.F = surface_.F;
-    Result<TetgenResult> tets = tetrahedralize(plc, {}, context_);
+    // Refinement for quality can go on for ever on needles; a mesh without it is still a mesh.
+    RunContext patient = context_;
+    patient.deadline = std::min(context_.deadline, RunContext::Clock::now() + quality_time(surface_.F.rows()));
+    TetgenOptions options;
+    Result<TetgenResult> tets = tetrahedralize(plc, options, patient);
+    if (!tets && !context_.stop()) {
+      context_.note(LogLevel::info, "TetGen with quality refinement: " + tets.error().message + " Trying without.");
+      options.quality = false;
+      tets = tetrahedralize(plc, options, context_);
+    }
+    record.figures.emplace_back("refined", options.quality);
     if (!tets) return tets.error();
     TetMesh mesh;
     mesh.V = std::move(tets.value().V);

@@ -78,14 +78,14 @@ bool StageFiles::has(const std::string& name) const {
 
 Result<Surface> StageFiles::load_surface(const std::string& name) const {
   Result<Surface> s = read_surface(folder_ + "/" + name + ".ply");
-  if (s.ok()) out_of_unit_box(s.value().V, UnitBox{-box_.exponent});
+  if (s.ok()) back_into_unit_box(s.value().V, box_);
   return s;
 }
 
 Result<TetMesh> StageFiles::load_mesh(const std::string& name, Index surface_vertices) const {
   Result<TetMesh> m = read_tets(folder_ + "/" + name + ".vtu");
   if (m.ok()) {
-    out_of_unit_box(m.value().V, UnitBox{-box_.exponent});
+    back_into_unit_box(m.value().V, box_);
     m.value().surface_vertices = surface_vertices;
   }
   return m;

@@ -1,5 +1,6 @@
 #include "src/pipeline/unit_box.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -11,38 +12,65 @@ namespace {
 // Volumes are products of three differences, which may be 2^-53 of the size: 2^(-3 * 240) and 2^(-3 * 53)
 // more still are normal numbers.
 constexpr int kMaxExponent = 240;
+// Extents that differ by more than 2^12 are scaled separately.
+constexpr int kUniformUpTo = 12;
 
-void scale(VertexMatrix& V, int exponent) {
-  for (Eigen::Index i = 0; i < V.size(); ++i) V.data()[i] = std::ldexp(V.data()[i], exponent);
+void scale(VertexMatrix& V, const UnitBox& box, int sign) {
+  for (Eigen::Index v = 0; v < V.rows(); ++v)
+    for (int k = 0; k < 3; ++k) V(v, k) = std::ldexp(V(v, k), sign * box.exponent[static_cast<std::size_t>(k)]);
+}
+
+std::string short_number(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", x);
+  return text;
+}
+
+// e with 2^(e - 1) <= x < 2^e.
+int exponent_of(double x) {
+  int e = 0;
+  std::frexp(x, &e);
+  return e;
 }
 
 }  // namespace
 
 Result<UnitBox> into_unit_box(VertexMatrix& V) {
-  const double largest = V.size() ? V.cwiseAbs().maxCoeff() : 0;
-  if (largest == 0) return Error{ErrorCode::bad_input, "All vertices are at the origin."};
-  int exponent = 0;
-  std::frexp(largest, &exponent);  // largest = m 2^exponent, m in [1/2, 1)
-  if (std::abs(exponent) > kMaxExponent) {
-    char size[32];
-    std::snprintf(size, sizeof size, "%.3g", largest);
-    return Error{ErrorCode::bad_input,
-                 "The coordinates reach " + std::string(size) + ", where volumes of tets are not numbers" +
-                     " that a double can hold (the limits are about 1e-72 and 1e72): scale the model."};
+  UnitBox box;
+  std::array<int, 3> extent{}, reach{};
+  for (int k = 0; k < 3; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    const double low = V.rows() ? V.col(k).minCoeff() : 0, high = V.rows() ? V.col(k).maxCoeff() : 0;
+    if (low == high)
+      return Error{ErrorCode::bad_input, std::string("The surface is flat: all vertices have the same ") +
+                                             "xyz"[k] + ", so there is no inside to mesh."};
+    const double largest = std::max(std::abs(low), std::abs(high));
+    // Halved before the subtraction, which could overflow.
+    extent[i] = exponent_of(high / 2 - low / 2) + 1;
+    reach[i] = exponent_of(largest);
+    if (std::abs(reach[i]) > kMaxExponent)
+      return Error{ErrorCode::bad_input, "The coordinates reach " + short_number(largest) +
+                                             ", where volumes of tets are not numbers that a double can hold" +
+                                             " (the limits are about 1e-72 and 1e72): scale the model."};
   }
+  const int widest = *std::max_element(extent.begin(), extent.end());
+  const int all = *std::max_element(reach.begin(), reach.end());
+  const bool uniform = widest - *std::min_element(extent.begin(), extent.end()) <= kUniformUpTo;
+  for (std::size_t k = 0; k < 3; ++k) box.exponent[k] = uniform ? -all : -reach[k];
   VertexMatrix scaled = V;
-  scale(scaled, -exponent);
+  scale(scaled, box, 1);
   VertexMatrix back = scaled;
-  scale(back, exponent);
+  scale(back, box, -1);
   for (Eigen::Index v = 0; v < V.rows(); ++v)
     if (!(back.row(v).array() == V.row(v).array()).all())
       return Error{ErrorCode::bad_input, "Vertex " + std::to_string(v) +
                                              " has a coordinate so much smaller than the model that scaling" +
                                              " it into a unit box would lose bits; set it to zero."};
   V = std::move(scaled);
-  return UnitBox{-exponent};
+  return box;
 }
 
-void out_of_unit_box(VertexMatrix& V, const UnitBox& box) { scale(V, -box.exponent); }
+void out_of_unit_box(VertexMatrix& V, const UnitBox& box) { scale(V, box, -1); }
+void back_into_unit_box(VertexMatrix& V, const UnitBox& box) { scale(V, box, 1); }
 
 }  // namespace overtet
