@@ -404,31 +404,39 @@ VerifyResult verify(const Surface& surface, const TetMesh& mesh, const VerifyOpt
       if (link.find(slot) == slot)
         ++components[static_cast<std::size_t>(side ? edges.items[edge_begin[e]].other : low_end[e])];
     }
-  Finding bad_link;
-  for (Index v = 0; v < vertices; ++v) {
-    const auto i = static_cast<std::size_t>(v);
-    if (!used[i]) continue;
-    const Index euler = link_vertices[i] - faces.at_vertex[i] + link_faces[i];
-    if (euler != (faces.on_boundary[i] ? 1 : 2) || faces.on_crowded[i] || components[i] != 1) bad_link.add(v);
-  }
-  report(r, Rule::R5, bad_link, "vertices have a link that is neither a disc nor a sphere");
-  if (!positive || stopped()) return r;
-
-  // R6: a boundary edge is one of a boundary face.
-  std::vector<char> on_surface(low_end.size(), 0);
+  // How many boundary faces each edge has: none, or two, or the links of its ends are pinched there.
+  std::vector<std::uint8_t> boundary_faces_at(low_end.size(), 0);
   for (const Triple& f : faces.boundary)
     for (std::size_t k = 0; k < 3; ++k) {
       const Index a = std::min(f[k], f[(k + 1) % 3]), b = std::max(f[k], f[(k + 1) % 3]);
       const EdgeItem* it = std::lower_bound(edges.first(a), edges.last(a), b,
                                             [](const EdgeItem& e, Index other) { return e.other < other; });
-      on_surface[static_cast<std::size_t>(
-          number[6 * static_cast<std::size_t>(it->tet) + static_cast<std::size_t>(it->edge)])] = 1;
+      auto& count = boundary_faces_at[static_cast<std::size_t>(
+          number[6 * static_cast<std::size_t>(it->tet) + static_cast<std::size_t>(it->edge)])];
+      if (count < 3) ++count;
     }
+  std::vector<char> pinched(static_cast<std::size_t>(vertices), 0);
+  for (std::size_t e = 0; e < low_end.size(); ++e)
+    if (boundary_faces_at[e] != 0 && boundary_faces_at[e] != 2)
+      pinched[static_cast<std::size_t>(low_end[e])] =
+          pinched[static_cast<std::size_t>(edges.items[edge_begin[e]].other)] = 1;
+  Finding bad_link;
+  for (Index v = 0; v < vertices; ++v) {
+    const auto i = static_cast<std::size_t>(v);
+    if (!used[i]) continue;
+    const Index euler = link_vertices[i] - faces.at_vertex[i] + link_faces[i];
+    if (euler != (faces.on_boundary[i] ? 1 : 2) || faces.on_crowded[i] || components[i] != 1 || pinched[i])
+      bad_link.add(v);
+  }
+  report(r, Rule::R5, bad_link, "vertices have a link that is neither a disc nor a sphere");
+  if (!positive || stopped()) return r;
+
+  // R6
   const auto branched = parallel_collect<std::pair<std::size_t, int>>(
       static_cast<std::int64_t>(low_end.size()), kTetGrain,
       [&](std::int64_t begin, std::int64_t end, auto& found) {
         for (auto e = static_cast<std::size_t>(begin); e < static_cast<std::size_t>(end); ++e) {
-          if (on_surface[e]) continue;
+          if (boundary_faces_at[e] != 0) continue;
           const EdgeItem& head = edges.items[edge_begin[e]];
           const Index a = low_end[e], b = head.other, fixed = T(head.tet, kEdge[head.edge][2]);
           int turns = 0;
