@@ -1,0 +1,66 @@
+// Hinges: vertices whose one-ring passes through itself, and the integers that decide what a positive
+// tet mesh must do there.
+//
+// Theory. At a vertex p the faces' directions draw a closed polygon on the sphere (the link); a vertex is
+// a hinge when that polygon crosses itself, which is when two of its faces intersect beyond p. With
+// theta_i the interior dihedral at p's edges and A(p) the winding number integrated over a tiny sphere,
+// Gauss-Bonnet says that
+//
+//     B0(p) = (A(p) + sum_i (pi - theta_i)) / 2 pi - 1
+//
+// is an integer, and that every positive tet mesh satisfies B0(p) = 2 c_p + sum_e k_e over p's edges:
+// c_p >= 0 layers cover p without touching it, and the tets at edge e make theta_e + 2 pi k_e, k_e >= 0,
+// all along e. So B0 < 0 proves that there is none. Along an edge e the outer side's winding number m_e is
+// the capacity: k_e <= m_e everywhere on e, and k_e <= m_e - c_p near p.
+//
+// How A(p) is computed: with w0 the (exact) winding number just ahead of p in some direction d, A(p) is
+// 4 pi w0 plus the area the link encloses when d counts as outside, a sum over p's own faces. Angles are
+// rounded; which side of 0, pi or 2 pi they lie on is decided exactly, so B0 comes out within 1e-6 of an
+// integer or is not given.
+#pragma once
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "kernels/bvh/self_intersections.h"
+#include "overtet/types.h"
+#include "src/surface/topology.h"
+
+namespace overtet {
+
+struct Hinge {
+  Index vertex = -1;
+  // The integer of the theory; none where it is not defined: a fold (dihedral exactly 0 or 2 pi) at the
+  // vertex, or a face of another part of the surface that contains the vertex.
+  std::optional<int> B0;
+  // The largest possible c_p: the smallest winding number around p. Negative where the winding is.
+  int covering = 0;
+  std::vector<FacePair> crossings;  // faces at the vertex that intersect beyond it
+};
+
+// The pairs' hinges by vertex number, with their integers. pairs: all intersecting pairs of the surface.
+std::vector<Hinge> find_hinges(const Surface& surface, const SurfaceTopology& topology, const TriangleBvh& bvh,
+                               const std::vector<FacePair>& pairs);
+
+// B0 of any vertex (0 for an embedded one that nothing covers).
+std::optional<int> vertex_b0(const Surface& surface, const SurfaceTopology& topology, const TriangleBvh& bvh,
+                             Index vertex);
+
+// Where an edge is pierced: faces that contain a point of its inside and do not belong to it.
+struct PiercedEdge {
+  Index half_edge = -1;  // the smaller one of the two
+  std::vector<Index> faces;
+};
+
+// Sorted by half-edge. pairs: all intersecting pairs of the surface.
+std::vector<PiercedEdge> find_pierced_edges(const Surface& surface, const SurfaceTopology& topology,
+                                            const std::vector<FacePair>& pairs);
+
+// The smallest winding number on the outer side of an edge: the minimum of m_e over the parts into which
+// `piercing` (the faces of find_pierced_edges; empty for others) cuts it. Exact. None where the edge is a
+// fold or runs inside another face.
+std::optional<int> edge_capacity(const Surface& surface, const SurfaceTopology& topology, const TriangleBvh& bvh,
+                                 Index half_edge, const std::vector<Index>& piercing);
+
+}  // namespace overtet

@@ -1,0 +1,427 @@
+#include "src/surface/witness.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "src/surface/exact.h"
+
+namespace overtet {
+
+namespace {
+
+using exact::Point;
+using exact::Rational;
+using exact::RayCount;
+using exact::Rays;
+using exact::RayStatus;
+using exact::Vec;
+
+constexpr int kAttempts = 12;  // other directions or places when a ray grazes an edge
+
+// A ray into one of the wedges around a point of a curve, with what it counted.
+struct Wedge {
+  Vec start, direction;
+  std::vector<Index> skip;
+  int winding = 0;
+};
+
+// What one pair says about the winding number.
+struct PairFinding {
+  bool seen = false;
+  int min = 0, max = 0;
+  std::optional<Wedge> lowest;
+  void add(int low, int high) {
+    min = seen ? std::min(min, low) : low;
+    max = seen ? std::max(max, high) : high;
+    seen = true;
+  }
+};
+
+// The faces that intersect each face, from the sorted pairs.
+class Partners {
+ public:
+  explicit Partners(const std::vector<FacePair>& pairs) {
+    list_.reserve(2 * pairs.size());
+    for (const auto& [f, g] : pairs) list_.emplace_back(f, g), list_.emplace_back(g, f);
+    std::sort(list_.begin(), list_.end());
+  }
+  // Faces that intersect both f and g.
+  std::vector<Index> common(Index f, Index g) const {
+    std::vector<Index> out;
+    auto i = std::lower_bound(list_.begin(), list_.end(), FacePair(f, -1));
+    auto j = std::lower_bound(list_.begin(), list_.end(), FacePair(g, -1));
+    while (i != list_.end() && j != list_.end() && i->first == f && j->first == g) {
+      if (i->second == j->second) {
+        out.push_back(i->second);
+        ++i, ++j;
+      } else if (i->second < j->second) {
+        ++i;
+      } else {
+        ++j;
+      }
+    }
+    return out;
+  }
+
+ private:
+  std::vector<FacePair> list_;
+};
+
+class PairStudy {
+ public:
+  PairStudy(const Rays& rays, const Partners& partners) : rays_(rays), partners_(partners) {}
+
+  PairFinding run(const FacePair& pair) const {
+    PairFinding out;
+    const Index f = pair.first, g = pair.second;
+    const Vec nf = rays_.normal(f), ng = rays_.normal(g), u = exact::cross(nf, ng);
+    if (exact::is_zero(u)) {
+      coplanar(f, g, out);
+      return out;
+    }
+    bool regular = true;
+    Vec from, to;
+    if (!segment(f, g, nf, ng, u, from, to, regular)) return out;
+    pieces(f, g, nf, ng, u, from, to, regular, out);
+    return out;
+  }
+
+ private:
+  Vec corner(Index f, int k) const { return exact::vec(rays_.corner(f, k % 3)); }
+
+  // Where the plane (point o, normal n) cuts face f: the two ends on the common line.
+  bool cut(Index f, const Vec& o, const Vec& n, std::vector<Vec>& ends, bool& regular) const {
+    Vec p[3];
+    Rational height[3];
+    int side[3];
+    for (int k = 0; k < 3; ++k) {
+      p[k] = corner(f, k);
+      height[k] = dot(n, p[k] - o);
+      side[k] = exact::sign(height[k]);
+      if (side[k] == 0) ends.push_back(p[k]);
+    }
+    if (ends.size() > 1) regular = false;  // an edge of f lies in the plane
+    for (int k = 0; k < 3; ++k) {
+      const int m = (k + 1) % 3;
+      if (side[k] * side[m] < 0)
+        ends.push_back(p[k] + (height[k] / (height[k] - height[m])) * (p[m] - p[k]));
+    }
+    return !ends.empty();
+  }
+
+  // The common segment of two faces in different planes; false when it is a point at most.
+  bool segment(Index f, Index g, const Vec& nf, const Vec& ng, const Vec& u, Vec& from, Vec& to,
+               bool& regular) const {
+    std::vector<Vec> in_f, in_g;
+    if (!cut(f, corner(g, 0), ng, in_f, regular) || !cut(g, corner(f, 0), nf, in_g, regular)) return false;
+    int axis = 0;
+    const auto size = exact::approximate(u);
+    for (int k = 1; k < 3; ++k)
+      if (std::fabs(size[k]) > std::fabs(size[axis])) axis = k;
+    if (exact::sign(u[axis]) == 0)
+      for (int k = 0; k < 3; ++k)
+        if (exact::sign(u[k]) != 0) axis = k;
+    const auto less = [&](const Vec& a, const Vec& b) { return a[axis] < b[axis]; };
+    std::sort(in_f.begin(), in_f.end(), less);
+    std::sort(in_g.begin(), in_g.end(), less);
+    from = std::max(in_f.front(), in_g.front(), less);
+    to = std::min(in_f.back(), in_g.back(), less);
+    return from[axis] < to[axis];
+  }
+
+  // Cuts the segment where third faces' planes cross it and looks at a point of every piece.
+  void pieces(Index f, Index g, const Vec& nf, const Vec& ng, const Vec& u, const Vec& from, const Vec& to,
+              bool regular, PairFinding& out) const {
+    const Vec along = to - from;
+    const Point start(from), direction(along);
+    struct Cut {
+      Rational at;
+      int step;  // how the winding number changes there, on the way from `from` to `to`
+    };
+    std::vector<Cut> cuts;
+    for (const Index h : partners_.common(f, g)) {
+      const int passes = rays_.passes(start, direction, h);
+      if (passes == 0) continue;
+      const Vec o = corner(h, 0), n = rays_.normal(h);
+      const Rational a = dot(n, from - o), b = dot(n, to - o);
+      const int sa = exact::sign(a), sb = exact::sign(b);
+      if (sa * sb < 0) {
+        cuts.push_back({a / (a - b), -passes});
+        if (passes == Rays::kGrazes) regular = false;
+      } else if (sa == 0 && sb == 0) {
+        // The segment runs in the plane of h: cut it at h's edges.
+        regular = false;
+        for (int k = 0; k < 3; ++k) {
+          const Vec wall = exact::cross(n, corner(h, k + 1) - corner(h, k));
+          const Rational x = dot(wall, from - corner(h, k)), y = dot(wall, to - corner(h, k));
+          if (exact::sign(x) * exact::sign(y) < 0) cuts.push_back({x / (x - y), 0});
+        }
+      }
+    }
+    std::sort(cuts.begin(), cuts.end(), [](const Cut& x, const Cut& y) { return x.at < y.at; });
+    std::vector<Rational> place{0};
+    std::vector<int> level{0};  // of each piece, relative to the first
+    for (const Cut& cut : cuts) {
+      if (cut.at == place.back()) {
+        level.back() += cut.step;
+        continue;
+      }
+      place.push_back(cut.at);
+      level.push_back(level.back() + cut.step);
+    }
+    place.push_back(1);
+    const int n = static_cast<int>(level.size());
+    if (regular) {
+      // One ray, on the lowest piece; the others follow from it.
+      const int lowest = static_cast<int>(std::min_element(level.begin(), level.end()) - level.begin());
+      if (front_wedge(f, g, nf, ng, u, from, along, place[lowest], place[lowest + 1], out)) {
+        out.max += *std::max_element(level.begin(), level.end()) - level[lowest];
+        return;
+      }
+    }
+    for (int i = 0; i < n; ++i) all_wedges(u, Point(from + ((place[i] + place[i + 1]) / 2) * along), out);
+  }
+
+  static Rational inverse_length(const Vec& x) {
+    const auto a = exact::approximate(x);
+    const double big = std::max(std::max(std::fabs(a[0]), std::fabs(a[1])), std::fabs(a[2]));
+    return big > 1e-290 && big < 1e290 ? Rational(1 / big) : Rational(1);
+  }
+
+  // The wedge in front of both faces; only the two contain the point.
+  bool front_wedge(Index f, Index g, const Vec& nf, const Vec& ng, const Vec& u, const Vec& from,
+                   const Vec& along, const Rational& t0, const Rational& t1, PairFinding& out) const {
+    std::vector<Index> skip{f, g};
+    const auto a = rays_.unit_normal(f), b = rays_.unit_normal(g);
+    for (int attempt = 0; attempt < kAttempts; ++attempt) {
+      const Rational part(1 + attempt % 5);
+      const Point m(from + ((part * t0 + t1) / (part + 1)) * along);
+      const double weight = 1 + 0.4 * exact::scatter(attempt);
+      const double sum[3] = {a[0] + weight * b[0], a[1] + weight * b[1], a[2] + weight * b[2]};
+      Point d(sum);
+      if (exact::sign(dot(nf, d.x)) <= 0 || exact::sign(dot(ng, d.x)) <= 0) {
+        // A wedge too thin for doubles: u x nf and ng x u span it.
+        const Vec p = exact::cross(u, nf), q = exact::cross(ng, u);
+        d = Point(Rational(weight) * (inverse_length(p) * p) + inverse_length(q) * q);
+      }
+      const RayCount ray = rays_.count(m, d, nullptr, skip);
+      if (ray.status == RayStatus::starts_on_surface) return false;
+      if (ray.status != RayStatus::counted) continue;
+      if (!out.lowest || ray.winding < out.lowest->winding) out.lowest = Wedge{m.x, d.x, skip, ray.winding};
+      out.add(ray.winding, ray.winding + 2);
+      return true;
+    }
+    return false;
+  }
+
+  // All wedges around a point of a line along u where faces meet in whatever way.
+  void all_wedges(const Vec& u, const Point& m, PairFinding& out) const {
+    const std::vector<Index> at = rays_.faces_at(m);
+    if (at.empty()) return;
+    // Every face through m shows as one or two half-planes around u, or (with m on its edge across u) as
+    // less. All directions n x u and -(n x u) are taken as borders: too many wedges do no harm.
+    std::vector<Vec> borders;
+    for (const Index f : at) {
+      const Vec b = exact::cross(rays_.normal(f), u);
+      if (exact::is_zero(b)) continue;
+      const Vec scaled = inverse_length(b) * b;
+      borders.push_back(scaled);
+      borders.push_back(Rational(-1) * scaled);
+    }
+    if (borders.empty()) return;
+    const Vec first = borders[0], second = exact::cross(u, first);
+    const auto half = [&](const Vec& v) {
+      const int y = exact::sign(dot(second, v));
+      return y > 0 || (y == 0 && exact::sign(dot(first, v)) > 0) ? 0 : 1;
+    };
+    std::sort(borders.begin(), borders.end(), [&](const Vec& x, const Vec& y) {
+      const int hx = half(x), hy = half(y);
+      if (hx != hy) return hx < hy;
+      return exact::sign(exact::det(u, x, y)) > 0;
+    });
+    const Vec axis = inverse_length(u) * u;
+    for (std::size_t i = 0; i < borders.size(); ++i) {
+      const Vec &x = borders[i], &y = borders[(i + 1) % borders.size()];
+      if (exact::sign(exact::det(u, x, y)) <= 0 && !(exact::sign(exact::det(u, x, y)) == 0 && borders.size() == 2))
+        continue;  // equal borders
+      for (int attempt = 0; attempt < kAttempts; ++attempt) {
+        const double weight = 1 + 0.4 * exact::scatter(attempt);
+        Vec d = borders.size() == 2 ? exact::cross(axis, x) : x + Rational(weight) * y;
+        if (attempt > 0) d = d + Rational(0.3 * exact::scatter(attempt + 5)) * axis;
+        // Doubles where the wedge is wide enough for them: short numbers are fast.
+        const auto near = exact::approximate(d);
+        const Vec rounded = exact::vec(near.data());
+        if (exact::sign(exact::det(u, x, rounded)) > 0 && exact::sign(exact::det(u, rounded, y)) > 0) d = rounded;
+        const RayCount ray = rays_.count(m, Point(d), nullptr, at);
+        if (ray.status != RayStatus::counted) continue;
+        if (!out.lowest || ray.winding < out.lowest->winding) out.lowest = Wedge{m.x, d, at, ray.winding};
+        out.add(ray.winding, ray.winding);
+        break;
+      }
+    }
+  }
+
+  // Coplanar faces: the curve is the outline of their common part. All pieces of the edges of each face
+  // inside the other one are looked at from all sides.
+  void coplanar(Index f, Index g, PairFinding& out) const {
+    const auto edges = [&](Index x, Index y) {
+      for (int k = 0; k < 3; ++k) {
+        const Vec p = corner(x, k), e = corner(x, k + 1) - p;
+        Rational lo = 0, hi = 1;
+        bool outside = false;
+        const Vec ny = rays_.normal(y);
+        for (int j = 0; j < 3; ++j) {
+          const Vec wall = exact::cross(ny, corner(y, j + 1) - corner(y, j));  // points inwards
+          const Rational at0 = dot(wall, p - corner(y, j)), slope = dot(wall, e);
+          const int s = exact::sign(slope);
+          if (s == 0) {
+            outside = outside || exact::sign(at0) < 0;
+          } else {
+            const Rational t = -at0 / slope;
+            if (s > 0) lo = std::max(lo, t);
+            if (s < 0) hi = std::min(hi, t);
+          }
+        }
+        if (outside || !(lo < hi)) continue;
+        // Cut where other faces cross, so that every piece has one answer per wedge.
+        std::vector<Rational> cuts{lo, hi};
+        const Point start(p), line(e);
+        for (const Index h : partners_.common(x, y)) {
+          const Vec nh = rays_.normal(h), o = corner(h, 0);
+          const Rational a = dot(nh, p - o), slope = dot(nh, e);
+          if (exact::sign(slope) != 0) {
+            if (rays_.passes(start, line, h) == 0) continue;
+            const Rational t = -a / slope;
+            if (lo < t && t < hi) cuts.push_back(t);
+          } else if (exact::sign(a) == 0) {
+            for (int j = 0; j < 3; ++j) {
+              const Vec wall = exact::cross(nh, corner(h, j + 1) - corner(h, j));
+              const Rational at0 = dot(wall, p - corner(h, j)), s = dot(wall, e);
+              if (exact::sign(s) == 0) continue;
+              const Rational t = -at0 / s;
+              if (lo < t && t < hi) cuts.push_back(t);
+            }
+          }
+        }
+        std::sort(cuts.begin(), cuts.end());
+        for (std::size_t i = 1; i < cuts.size(); ++i)
+          if (cuts[i - 1] < cuts[i]) all_wedges(e, Point(p + ((cuts[i - 1] + cuts[i]) / 2) * e), out);
+      }
+    };
+    edges(f, g);
+    edges(g, f);
+  }
+
+  const Rays& rays_;
+  const Partners& partners_;
+};
+
+// The point half-way from the wedge's corner to the next crossing, or a little way when there is none.
+std::optional<WindingWitness> make_witness(const Rays& rays, const Wedge& wedge) {
+  const Point start(wedge.start), direction(wedge.direction);
+  const RayCount ray = rays.count(start, direction, nullptr, wedge.skip, true);
+  if (ray.status != RayStatus::counted) return std::nullopt;
+  Rational step = ray.nearest ? *ray.nearest / 2 : Rational(1);
+  WindingWitness out;
+  // Short numbers where the region is wide enough: the nearest doubles, else the exact fraction.
+  const Point exact_point(wedge.start + step * wedge.direction);
+  out.point = exact_point.near;
+  const auto rounded = rays.winding(Point(out.point.data()));
+  if (rounded && *rounded < 0) {
+    const Vec p = exact::vec(out.point.data());
+    for (int k = 0; k < 3; ++k) out.exact[k] = exact::fraction(p[k]);
+    out.winding = *rounded;
+    out.doubles_suffice = true;
+    return out;
+  }
+  const auto winding = rays.winding(exact_point);
+  if (!winding || *winding >= 0) return std::nullopt;
+  for (int k = 0; k < 3; ++k) out.exact[k] = exact::fraction(exact_point.x[k]);
+  out.winding = *winding;
+  return out;
+}
+
+}  // namespace
+
+Result<WindingRange> find_winding_range(const Surface& surface, const SurfaceTopology& topology,
+                                        const TriangleBvh& bvh, const std::vector<FacePair>& pairs,
+                                        const RunContext& context) {
+  const Rays rays(surface.V, surface.F, bvh);
+  const Partners partners(pairs);
+  const PairStudy study(rays, partners);
+  WindingRange out;
+  if (auto stop = context.stop()) return *stop;
+
+  std::vector<PairFinding> findings(pairs.size());
+  std::atomic<bool> stopped{false};
+  parallel_for(static_cast<std::int64_t>(pairs.size()), 16, [&](std::int64_t begin, std::int64_t end) {
+    if (stopped || context.stop()) {
+      stopped = true;
+      return;
+    }
+    for (std::int64_t i = begin; i < end; ++i) findings[i] = study.run(pairs[i]);
+  });
+  if (auto stop = context.stop()) return *stop;
+
+  std::vector<Wedge> negative;
+  std::vector<FacePair> negative_pair;
+  for (std::size_t i = 0; i < findings.size(); ++i) {
+    const PairFinding& x = findings[i];
+    if (!x.seen) {
+      ++out.undecided_pairs;
+      continue;
+    }
+    out.min = std::min(out.min, x.min);
+    out.max = std::max(out.max, x.max);
+    if (x.min < 0) {
+      ++out.negative_pairs;
+      negative.push_back(*x.lowest);
+      negative_pair.push_back(pairs[i]);
+    }
+  }
+
+  // One look at every component: just in front of a face, at its centre as far as doubles go.
+  for (const SurfaceComponent& component : topology.components) {
+    const Index f = component.first_face;
+    for (int attempt = 0; attempt < kAttempts; ++attempt) {
+      const Rational wa(3 + attempt), wb(3), wc(3 + attempt % 3);
+      const Vec m = (Rational(1) / (wa + wb + wc)) *
+                    (wa * exact::vec(rays.corner(f, 0)) + wb * exact::vec(rays.corner(f, 1)) +
+                     wc * exact::vec(rays.corner(f, 2)));
+      const Vec n = rays.normal(f);
+      const Point start(m);
+      std::vector<Index> skip{f};
+      RayCount ray = rays.count(start, Point(n), nullptr, skip);
+      if (ray.status == RayStatus::starts_on_surface) {
+        // Another face lies in the same place; then there are pairs, which have been looked at.
+        skip = rays.faces_at(start);
+        ray = rays.count(start, Point(n), nullptr, skip);
+      }
+      if (ray.status != RayStatus::counted) continue;
+      out.min = std::min(out.min, ray.winding);
+      out.max = std::max(out.max, ray.winding + 1);
+      if (ray.winding < 0) {
+        negative.push_back(Wedge{m, n, skip, ray.winding});
+        negative_pair.emplace_back(-1, -1);
+      }
+      break;
+    }
+  }
+
+  // The certificate with the lowest number, plain doubles preferred; the first of those.
+  std::vector<std::size_t> order(negative.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return negative[a].winding < negative[b].winding; });
+  for (std::size_t tries = 0; tries < order.size(); ++tries) {
+    auto witness = make_witness(rays, negative[order[tries]]);
+    if (!witness) continue;
+    if (negative_pair[order[tries]].first >= 0) witness->pair = negative_pair[order[tries]];
+    if (!out.witness || (witness->doubles_suffice && !out.witness->doubles_suffice)) out.witness = witness;
+    if (out.witness->doubles_suffice || tries > 64) break;
+  }
+  return out;
+}
+
+}  // namespace overtet
