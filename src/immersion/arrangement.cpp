@@ -8,12 +8,26 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <map>
+#include <cmath>
 #include <numeric>
+#include <optional>
+#include <string>
+
+#include "kernels/bvh/self_intersections.h"
+#include "kernels/predicates/predicates.h"
 
 namespace overtet {
 
 namespace {
+
+// Rounding new points to doubles can make pieces cross that did not, where exact points are closer than
+// doubles can tell. Then the pieces are cut again, with added points on a grid (iterated snap rounding). A grid
+// is kept for some rounds, since points on it no longer move; if that does not end, a coarser one is tried.
+constexpr int kGrids[] = {-44, -40, -36, -32};  // powers of two, relative to the largest coordinate
+constexpr int kRoundsPerGrid = 6;
+constexpr int kMostRounds = 1 + kRoundsPerGrid * static_cast<int>(std::size(kGrids));
 
 using Kernel = CGAL::Exact_predicates_exact_constructions_kernel;
 using Point3 = Kernel::Point_3;
@@ -53,43 +67,181 @@ struct Cuts {
   std::vector<std::pair<Index, Index>> segments;
 };
 
+// A triangle of the growing complex with the input faces that run along it.
+struct Piece {
+  std::array<Index, 3> corners;
+  ArrangementSheet sheet;
+  std::vector<ArrangementSheet> more;  // only where faces coincide
+  bool cut = false;                    // part of a face that was cut, or next to one that changed
+};
+
+// One round: cuts the pieces along all given pairs, exactly, and rounds the new points to doubles.
+class Cutter {
+ public:
+  Cutter(std::vector<Eigen::Vector3d>& points, std::vector<Piece>& pieces) : points_(points), pieces_(pieces) {}
+
+  std::optional<Error> run(const std::vector<FacePair>& pairs, const RunContext& context) {
+    // All corners before all cuts, so that a cut through a corner gets that corner's number.
+    for (const auto& [f, g] : pairs) enter_corners(f), enter_corners(g);
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      if (i % 64 == 0)
+        if (auto stop = context.stop()) return stop;
+      intersect(pairs[i].first, pairs[i].second);
+    }
+    std::vector<Piece> out;
+    out.reserve(pieces_.size() + 16 * cuts_.size());
+    for (Index f = 0; f < static_cast<Index>(pieces_.size()); ++f) {
+      const auto cut = cuts_.find(f);
+      if (cut == cuts_.end()) {
+        out.push_back(std::move(pieces_[f]));
+      } else {
+        if (auto stop = context.stop()) return stop;
+        triangulate(f, cut->second, out);
+      }
+    }
+    for (const Index i : added_) {
+      const Point3& p = table_.point(i);
+      p.exact();
+      points_.emplace_back(CGAL::to_double(p.x().exact()), CGAL::to_double(p.y().exact()),
+                           CGAL::to_double(p.z().exact()));
+    }
+    pieces_ = std::move(out);
+    return std::nullopt;
+  }
+
+ private:
+  Point3 exact_input(Index v) const { return Point3(points_[v][0], points_[v][1], points_[v][2]); }
+  Point3 corner(Index f, int k) const { return exact_input(pieces_[f].corners[k]); }
+
+  void enter_corners(Index f) {
+    for (const Index v : pieces_[f].corners) {
+      const Index i = table_.number(exact_input(v));
+      if (i == static_cast<Index>(final_.size())) final_.push_back(v);
+    }
+  }
+
+  // The complex's number of an exact point; new points come after all present ones.
+  Index number(const Point3& p) {
+    const Index i = table_.number(p);
+    if (i == static_cast<Index>(final_.size())) {
+      final_.push_back(static_cast<Index>(points_.size() + added_.size()));
+      added_.push_back(i);
+    }
+    return final_[i];
+  }
+
+  Point3 exact(Index number) const {
+    const Index n = static_cast<Index>(points_.size());
+    return number < n ? exact_input(number) : table_.point(added_[number - n]);
+  }
+
+  void intersect(Index f, Index g) {
+    const Kernel::Triangle_3 a(corner(f, 0), corner(f, 1), corner(f, 2));
+    const Kernel::Triangle_3 b(corner(g, 0), corner(g, 1), corner(g, 2));
+    const auto meet = CGAL::intersection(a, b);
+    if (!meet) return;
+    const auto add_segment = [&](Index p, Index q) {
+      if (p == q) return;
+      cuts_[f].segments.emplace_back(p, q);
+      cuts_[g].segments.emplace_back(p, q);
+    };
+    if (const Point3* p = boost::get<Point3>(&*meet)) {
+      const Index i = number(*p);
+      cuts_[f].points.push_back(i);
+      cuts_[g].points.push_back(i);
+    } else if (const Kernel::Segment_3* s = boost::get<Kernel::Segment_3>(&*meet)) {
+      const Index p = number(s->source()), q = number(s->target());
+      add_segment(p, q);
+    } else {
+      std::vector<Point3> polygon;
+      if (const Kernel::Triangle_3* t = boost::get<Kernel::Triangle_3>(&*meet))
+        polygon = {t->vertex(0), t->vertex(1), t->vertex(2)};
+      else
+        polygon = boost::get<std::vector<Point3>>(*meet);
+      std::vector<Index> ids;
+      for (const Point3& p : polygon) ids.push_back(number(p));
+      for (std::size_t i = 0; i < ids.size(); ++i) add_segment(ids[i], ids[(i + 1) % ids.size()]);
+      // Both faces must be triangulated alike inside the common polygon.
+      const std::size_t apex = std::min_element(ids.begin(), ids.end()) - ids.begin();
+      for (std::size_t i = 2; i + 1 < ids.size(); ++i) add_segment(ids[apex], ids[(apex + i) % ids.size()]);
+    }
+  }
+
+  void triangulate(Index f, const Cuts& cut, std::vector<Piece>& out) {
+    const Point3 a = corner(f, 0), b = corner(f, 1), c = corner(f, 2);
+    const Kernel::Vector_3 normal = CGAL::cross_product(b - a, c - a);
+    int drop = 0;
+    for (int k = 1; k < 3; ++k)
+      if (std::abs(CGAL::to_double(normal[k])) > std::abs(CGAL::to_double(normal[drop]))) drop = k;
+    const int i = (drop + 1) % 3, j = (drop + 2) % 3;
+    const auto flat = [&](const Point3& p) { return Point2(p[i], p[j]); };
+
+    Triangulation triangulation;
+    std::map<Index, Triangulation::Vertex_handle> handle;
+    const auto insert = [&](Index id) {
+      const auto [at, added] = handle.try_emplace(id);
+      if (added) {
+        at->second = triangulation.insert(flat(exact(id)));
+        at->second->info().id = id;
+      }
+      return at->second;
+    };
+    for (const Index v : pieces_[f].corners) insert(v);
+    for (const Index p : cut.points) insert(p);
+    for (const auto& [p, q] : cut.segments) insert(p), insert(q);
+    for (const auto& [p, q] : cut.segments) triangulation.insert_constraint(handle[p], handle[q]);
+
+    for (auto v = triangulation.finite_vertices_begin(); v != triangulation.finite_vertices_end(); ++v) {
+      if (v->info().id >= 0) continue;
+      // Two cuts cross here: lift the point back into the plane of the face.
+      std::array<Scalar, 3> p;
+      p[i] = v->point().x();
+      p[j] = v->point().y();
+      p[drop] = a[drop] - (normal[i] * (p[i] - a[i]) + normal[j] * (p[j] - a[j])) / normal[drop];
+      v->info().id = number(Point3(p[0], p[1], p[2]));
+    }
+    const bool flipped = CGAL::is_negative(normal[drop]);
+    for (auto t = triangulation.finite_faces_begin(); t != triangulation.finite_faces_end(); ++t) {
+      Piece piece{{t->vertex(0)->info().id, t->vertex(1)->info().id, t->vertex(2)->info().id},
+                  pieces_[f].sheet,
+                  pieces_[f].more,
+                  true};
+      if (flipped) std::swap(piece.corners[1], piece.corners[2]);
+      out.push_back(std::move(piece));
+    }
+  }
+
+  std::vector<Eigen::Vector3d>& points_;
+  std::vector<Piece>& pieces_;
+  PointTable table_;
+  std::vector<Index> final_;  // the complex's number of each point of the table
+  std::vector<Index> added_;  // table numbers of the new points
+  std::map<Index, Cuts> cuts_;
+};
+
 class Arranger {
  public:
   explicit Arranger(const Surface& surface) : surface_(surface) {}
 
-  Result<Arrangement> run(const std::vector<std::pair<Index, Index>>& pairs, const RunContext& context) {
-    const Index faces = static_cast<Index>(surface_.F.rows());
+  Result<Arrangement> run(const std::vector<FacePair>& pairs, const RunContext& context) {
     number_input_positions();
-    for (const auto& [f, g] : pairs) enter_corners(f), enter_corners(g);
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-      if (i % 64 == 0)
-        if (auto stop = context.stop()) return *stop;
-      intersect(pairs[i].first, pairs[i].second);
+    std::vector<FacePair> crossing = pairs;
+    for (int round = 0;; ++round) {
+      if (auto error = Cutter(points_, pieces_).run(crossing, context)) return *error;
+      if (round == 0)
+        for (const Piece& p : pieces_) cut_faces_.push_back(p.cut ? p.sheet.face : -1);
+      if (round > 0) snap(round);
+      merge();
+      crossing = intersections();
+      if (crossing.empty()) return collect(round + 1);
+      if (round + 1 == kMostRounds)
+        return Error{ErrorCode::unsolved, "Where the surface crosses itself, " + std::to_string(crossing.size()) +
+                                              " pairs of pieces are too close together for double precision."};
     }
-    std::vector<std::array<Index, 3>> triangles;
-    std::vector<ArrangementSheet> owner;
-    triangles.reserve(faces + 16 * cuts_.size());
-    for (Index f = 0; f < faces; ++f) {
-      const auto cut = cuts_.find(f);
-      if (cut == cuts_.end()) {
-        const auto face = surface_.F.row(f);
-        triangles.push_back({input_number_[face[0]], input_number_[face[1]], input_number_[face[2]]});
-        owner.push_back({f, 1});
-      } else {
-        if (auto stop = context.stop()) return *stop;
-        triangulate(f, cut->second, triangles, owner);
-      }
-    }
-    return collect(triangles, owner);
   }
 
  private:
-  Point3 corner(Index f, int k) const {
-    const auto p = surface_.V.row(surface_.F(f, k));
-    return Point3(p[0], p[1], p[2]);
-  }
-
-  // Input positions come first, in order of appearance; only those that cuts touch enter the exact table.
+  // Equal positions get one number, in order of appearance.
   void number_input_positions() {
     const Index n = static_cast<Index>(surface_.V.rows());
     std::vector<Index> order(n);
@@ -107,181 +259,177 @@ class Arranger {
     input_number_.assign(n, -1);
     for (Index v = 0; v < n; ++v) {
       if (first[v] == v) {
-        input_number_[v] = input_positions_++;
-        position_of_.push_back(v);
+        input_number_[v] = static_cast<Index>(points_.size());
+        points_.push_back(surface_.V.row(v));
       } else {
         input_number_[v] = input_number_[first[v]];
       }
     }
-  }
-
-  // The number of an exact point: that of the input position, or one after all input positions.
-  Index number(const Point3& p) {
-    const Index i = table_.number(p);
-    if (i == static_cast<Index>(final_.size())) final_.push_back(-1);
-    if (final_[i] < 0) {
-      final_[i] = input_positions_ + static_cast<Index>(added_.size());
-      added_.push_back(i);
-    }
-    return final_[i];
-  }
-
-  // All corners before all cuts, so that a cut through an input position gets that position's number.
-  void enter_corners(Index f) {
-    for (int k = 0; k < 3; ++k) {
-      const Index v = surface_.F(f, k);
-      const Index i = table_.number(corner(f, k));
-      if (i == static_cast<Index>(final_.size())) final_.push_back(input_number_[v]);
+    input_positions_ = static_cast<Index>(points_.size());
+    for (Index f = 0; f < static_cast<Index>(surface_.F.rows()); ++f) {
+      const auto face = surface_.F.row(f);
+      pieces_.push_back({{input_number_[face[0]], input_number_[face[1]], input_number_[face[2]]}, {f, 1}, {}, false});
     }
   }
 
-  const Point3& exact(Index number) {
-    if (number >= input_positions_) return table_.point(added_[number - input_positions_]);
-    const auto p = surface_.V.row(position_of_[number]);
-    return table_.point(table_.number(Point3(p[0], p[1], p[2])));
-  }
-
-  Cuts& cuts(Index f) { return cuts_[f]; }
-
-  void intersect(Index f, Index g) {
-    const Kernel::Triangle_3 a(corner(f, 0), corner(f, 1), corner(f, 2));
-    const Kernel::Triangle_3 b(corner(g, 0), corner(g, 1), corner(g, 2));
-    const auto meet = CGAL::intersection(a, b);
-    if (!meet) return;
-    const auto add_segment = [&](Index p, Index q) {
-      if (p == q) return;
-      cuts(f).segments.emplace_back(p, q);
-      cuts(g).segments.emplace_back(p, q);
+  // Moves the added points onto a grid, so that points closer than its step become one, and onto input positions
+  // in the same grid cell.
+  void snap(int round) {
+    double largest = 0;
+    for (const auto& p : points_) largest = std::max(largest, p.cwiseAbs().maxCoeff());
+    const double step = std::ldexp(1.0, std::ilogb(largest) + kGrids[(round - 1) / kRoundsPerGrid]);
+    const auto key = [&](Index v) {
+      return std::array<double, 3>{std::nearbyint(points_[v][0] / step), std::nearbyint(points_[v][1] / step),
+                                   std::nearbyint(points_[v][2] / step)};
     };
-    if (const Point3* p = boost::get<Point3>(&*meet)) {
-      const Index i = number(*p);
-      cuts(f).points.push_back(i);
-      cuts(g).points.push_back(i);
-    } else if (const Kernel::Segment_3* s = boost::get<Kernel::Segment_3>(&*meet)) {
-      add_segment(number(s->source()), number(s->target()));
-    } else {
-      std::vector<Point3> polygon;
-      if (const Kernel::Triangle_3* t = boost::get<Kernel::Triangle_3>(&*meet))
-        polygon = {t->vertex(0), t->vertex(1), t->vertex(2)};
+    std::vector<char> used(points_.size(), 0);
+    for (const Piece& piece : pieces_)
+      if (piece.cut)
+        for (const Index v : piece.corners) used[v] = 1;
+    std::map<std::array<double, 3>, Index> at;
+    std::vector<Index> to(points_.size());
+    std::iota(to.begin(), to.end(), 0);
+    for (Index v = 0; v < static_cast<Index>(points_.size()); ++v) {
+      if (!used[v]) continue;
+      const auto k = key(v);
+      const auto [found, added] = at.try_emplace(k, v);
+      if (v < input_positions_) continue;  // two input positions in one cell stay two
+      if (added)
+        points_[v] = step * Eigen::Vector3d(k[0], k[1], k[2]);
       else
-        polygon = boost::get<std::vector<Point3>>(*meet);
-      std::vector<Index> ids;
-      for (const Point3& p : polygon) ids.push_back(number(p));
-      for (std::size_t i = 0; i < ids.size(); ++i) add_segment(ids[i], ids[(i + 1) % ids.size()]);
-      // Both faces must be triangulated alike inside the common polygon.
-      const std::size_t apex = std::min_element(ids.begin(), ids.end()) - ids.begin();
-      for (std::size_t i = 2; i + 1 < ids.size(); ++i) add_segment(ids[apex], ids[(apex + i) % ids.size()]);
+        to[v] = found->second;
     }
+    for (Piece& piece : pieces_)
+      for (Index& v : piece.corners) v = to[v];
   }
 
-  void triangulate(Index f, const Cuts& cut, std::vector<std::array<Index, 3>>& triangles,
-                   std::vector<ArrangementSheet>& owner) {
-    const Point3 a = corner(f, 0), b = corner(f, 1), c = corner(f, 2);
-    const Kernel::Vector_3 normal = CGAL::cross_product(b - a, c - a);
-    int drop = 0;
-    for (int k = 1; k < 3; ++k)
-      if (std::abs(CGAL::to_double(normal[k])) > std::abs(CGAL::to_double(normal[drop]))) drop = k;
-    if (CGAL::is_zero(normal[drop]))  // underflow of the approximation
-      for (int k = 0; k < 3; ++k)
-        if (!CGAL::is_zero(normal[k])) drop = k;
-    const int i = (drop + 1) % 3, j = (drop + 2) % 3;
-    const auto flat = [&](const Point3& p) { return Point2(p[i], p[j]); };
-
-    Triangulation triangulation;
-    std::map<Index, Triangulation::Vertex_handle> handle;
-    const auto insert = [&](Index id) {
-      const auto [at, added] = handle.try_emplace(id);
-      if (added) {
-        at->second = triangulation.insert(flat(exact(id)));
-        at->second->info().id = id;
-      }
-      return at->second;
-    };
-    for (int k = 0; k < 3; ++k) insert(input_number_[surface_.F(f, k)]);
-    for (const Index p : cut.points) insert(p);
-    for (const auto& [p, q] : cut.segments) insert(p), insert(q);
-    for (const auto& [p, q] : cut.segments) triangulation.insert_constraint(handle[p], handle[q]);
-
-    for (auto v = triangulation.finite_vertices_begin(); v != triangulation.finite_vertices_end(); ++v) {
-      if (v->info().id >= 0) continue;
-      // Two cuts cross here: lift the point back into the plane of the face.
-      std::array<Scalar, 3> p;
-      p[i] = v->point().x();
-      p[j] = v->point().y();
-      p[drop] = a[drop] - (normal[i] * (p[i] - a[i]) + normal[j] * (p[j] - a[j])) / normal[drop];
-      v->info().id = number(Point3(p[0], p[1], p[2]));
-    }
-    const bool flipped = CGAL::is_negative(normal[drop]);
-    for (auto t = triangulation.finite_faces_begin(); t != triangulation.finite_faces_end(); ++t) {
-      std::array<Index, 3> ids{t->vertex(0)->info().id, t->vertex(1)->info().id, t->vertex(2)->info().id};
-      if (flipped) std::swap(ids[1], ids[2]);
-      triangles.push_back(ids);
-      owner.push_back({f, 1});
-    }
-  }
-
-  Arrangement collect(const std::vector<std::array<Index, 3>>& triangles, std::vector<ArrangementSheet>& owner) {
-    Arrangement out;
-    out.input_positions = input_positions_;
-    out.vertex_of_input = input_number_;
-    out.cut_faces = static_cast<Index>(cuts_.size());
-    out.V.resize(input_positions_ + static_cast<Index>(added_.size()), 3);
-    for (Index v = 0; v < input_positions_; ++v) out.V.row(v) = surface_.V.row(position_of_[v]);
-    for (std::size_t k = 0; k < added_.size(); ++k) {
-      const Point3& p = table_.point(added_[k]);
-      p.exact();
-      for (int c = 0; c < 3; ++c) out.V(input_positions_ + k, c) = CGAL::to_double(p[c].exact());
-    }
-    // Coincident triangles become one with several sheets. Even permutation = same orientation.
+  // Drops pieces that have collapsed and makes one of those that coincide; a face folded onto itself cancels.
+  void merge() {
     struct Entry {
       std::array<Index, 3> key;
-      Index triangle;
+      Index piece;
     };
-    std::vector<Entry> entries(triangles.size());
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
-      auto key = triangles[t];
+    std::vector<Entry> entries;
+    if (points_.size() > static_cast<std::size_t>(input_positions_)) unify_equal_points();
+    for (Index i = 0; i < static_cast<Index>(pieces_.size()); ++i) {
+      auto key = pieces_[i].corners;
       std::sort(key.begin(), key.end());
-      entries[t] = {key, static_cast<Index>(t)};
+      if (key[0] == key[1] || key[1] == key[2]) continue;
+      if (pieces_[i].cut &&
+          collinear(points_[key[0]].data(), points_[key[1]].data(), points_[key[2]].data()))
+        continue;
+      entries.push_back({key, i});
     }
     std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
-      return a.key != b.key ? a.key < b.key : a.triangle < b.triangle;
+      return a.key != b.key ? a.key < b.key : a.piece < b.piece;
     });
-    std::vector<std::vector<Index>> groups_of(triangles.size());
-    std::vector<char> leads(triangles.size(), 0);
+    std::vector<std::pair<Index, Piece>> kept;  // by first number
     for (std::size_t b = 0; b < entries.size();) {
       std::size_t e = b + 1;
       while (e < entries.size() && entries[e].key == entries[b].key) ++e;
-      leads[entries[b].triangle] = 1;
-      for (std::size_t k = b + 1; k < e; ++k) groups_of[entries[b].triangle].push_back(entries[k].triangle);
+      Piece lead = std::move(pieces_[entries[b].piece]);
+      if (e - b > 1) {
+        std::vector<ArrangementSheet> sheets{lead.sheet};
+        sheets.insert(sheets.end(), lead.more.begin(), lead.more.end());
+        for (std::size_t k = b + 1; k < e; ++k) {
+          const Piece& other = pieces_[entries[k].piece];
+          const auto& o = other.corners;
+          const int at = o[0] == lead.corners[0] ? 0 : o[1] == lead.corners[0] ? 1 : 2;
+          const int sign = o[(at + 1) % 3] == lead.corners[1] ? 1 : -1;
+          const auto add = [&](ArrangementSheet s) {
+            s.sign *= sign;
+            const auto opposite = std::find_if(sheets.begin(), sheets.end(), [&](const ArrangementSheet& t) {
+              return t.face == s.face && t.sign == -s.sign;
+            });
+            if (opposite != sheets.end())
+              sheets.erase(opposite);
+            else
+              sheets.push_back(s);
+          };
+          add(other.sheet);
+          for (const ArrangementSheet& s : other.more) add(s);
+          lead.cut |= other.cut;
+        }
+        if (sheets.empty()) {
+          b = e;
+          continue;
+        }
+        lead.sheet = sheets[0];
+        lead.more.assign(sheets.begin() + 1, sheets.end());
+      }
+      kept.emplace_back(entries[b].piece, std::move(lead));
       b = e;
     }
-    const Index distinct = static_cast<Index>(std::count(leads.begin(), leads.end(), 1));
-    out.F.resize(distinct, 3);
+    std::sort(kept.begin(), kept.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    pieces_.clear();
+    for (auto& [number, piece] : kept) pieces_.push_back(std::move(piece));
+  }
+
+  // Rounding can make points equal.
+  void unify_equal_points() {
+    std::map<std::array<double, 3>, Index> at;
+    std::vector<char> used(points_.size(), 0);
+    for (const Piece& piece : pieces_)
+      if (piece.cut)
+        for (const Index v : piece.corners) used[v] = 1;
+    std::vector<Index> to(points_.size());
+    std::iota(to.begin(), to.end(), 0);
+    for (Index v = 0; v < static_cast<Index>(points_.size()); ++v)
+      if (used[v]) to[v] = at.try_emplace({points_[v][0], points_[v][1], points_[v][2]}, v).first->second;
+    for (Piece& piece : pieces_)
+      if (piece.cut)
+        for (Index& v : piece.corners) v = to[v];
+  }
+
+  // Pairs of pieces that still intersect after rounding; only what was cut can.
+  std::vector<FacePair> intersections() const {
+    VertexMatrix V(points_.size(), 3);
+    for (std::size_t v = 0; v < points_.size(); ++v) V.row(v) = points_[v];
+    TriangleMatrix F(pieces_.size(), 3);
+    SelfIntersectionOptions options;
+    options.active.resize(pieces_.size());
+    for (std::size_t i = 0; i < pieces_.size(); ++i) {
+      F.row(i) << pieces_[i].corners[0], pieces_[i].corners[1], pieces_[i].corners[2];
+      options.active[i] = pieces_[i].cut;
+    }
+    return find_self_intersections(V, F, options);
+  }
+
+  Arrangement collect(int rounds) {
+    Arrangement out;
+    out.rounds = rounds;
+    out.vertex_of_input = input_number_;
+    out.input_positions = input_positions_;
+    std::sort(cut_faces_.begin(), cut_faces_.end());
+    out.cut_faces = static_cast<Index>(std::unique(cut_faces_.begin(), cut_faces_.end()) - cut_faces_.begin()) - 1;
+    // Points that snapping left unused are dropped.
+    std::vector<Index> number(points_.size(), -1);
+    for (Index v = 0; v < input_positions_; ++v) number[v] = v;
+    Index next = input_positions_;
+    for (const Piece& p : pieces_)
+      for (const Index v : p.corners)
+        if (number[v] < 0) number[v] = next++;
+    out.V.resize(next, 3);
+    for (std::size_t v = 0; v < points_.size(); ++v)
+      if (number[v] >= 0) out.V.row(number[v]) = points_[v];
+    out.F.resize(pieces_.size(), 3);
     out.sheet_begin.push_back(0);
-    Index g = 0;
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
-      if (!leads[t]) continue;
-      const auto& lead = triangles[t];
-      out.F.row(g++) << lead[0], lead[1], lead[2];
-      out.sheets.push_back(owner[t]);
-      for (const Index other : groups_of[t]) {
-        const auto& o = triangles[other];
-        const int at = o[0] == lead[0] ? 0 : o[1] == lead[0] ? 1 : 2;
-        out.sheets.push_back({owner[other].face, o[(at + 1) % 3] == lead[1] ? 1 : -1});
-      }
+    for (std::size_t i = 0; i < pieces_.size(); ++i) {
+      const Piece& p = pieces_[i];
+      out.F.row(i) << number[p.corners[0]], number[p.corners[1]], number[p.corners[2]];
+      out.sheets.push_back(p.sheet);
+      out.sheets.insert(out.sheets.end(), p.more.begin(), p.more.end());
       out.sheet_begin.push_back(static_cast<Index>(out.sheets.size()));
     }
     return out;
   }
 
   const Surface& surface_;
-  PointTable table_;
-  std::vector<Index> final_;  // the arrangement's number of each point of the table
-  std::vector<Index> added_;  // table numbers of the points that are no input positions
+  std::vector<Eigen::Vector3d> points_;  // the input's distinct positions, then added points
+  std::vector<Piece> pieces_;
   std::vector<Index> input_number_;
-  std::vector<Index> position_of_;
+  std::vector<Index> cut_faces_;
   Index input_positions_ = 0;
-  std::map<Index, Cuts> cuts_;
 };
 
 }  // namespace

@@ -1,8 +1,11 @@
-// The exact arrangement of a surface with itself: every face is cut along the curves in which other
-// faces meet it, so that what comes out is a complex whose triangles meet in shared vertices and edges
-// only. All cuts are computed in exact rational arithmetic; points that are no input vertices are then
-// rounded to doubles. Rounding can make triangles cross again where features are smaller than the
-// rounding; the caller checks that with the exact intersection test before building on the result.
+// The arrangement of a surface with itself: every face is cut along the curves in which other faces meet
+// it, so that what comes out is a complex whose triangles meet in shared vertices and edges only.
+//
+// Cuts are computed in exact rational arithmetic; the points they add are then rounded to doubles. Where that
+// makes pieces cross or collapse, they are cut again, with the added points on a grid that grows from round to
+// round (iterated snap rounding), until an exact test finds the complex free of intersections. Input
+// positions never move. Added points need not: they are taken off the boundary later (boundary_points.h),
+// so a face's pieces may leave its plane by the rounding.
 #pragma once
 
 #include <utility>
@@ -28,6 +31,7 @@ struct Arrangement {
   std::vector<Index> vertex_of_input;    // #V; the arrangement's vertex at each input vertex
   Index input_positions = 0;             // the first rows of V that are input positions
   Index cut_faces = 0;                   // input faces that were cut
+  int rounds = 1;                        // of cutting and rounding
 };
 
 // pairs: all intersecting pairs of faces (src/surface/), i < j.

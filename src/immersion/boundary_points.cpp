@@ -19,8 +19,9 @@ using Eigen::Vector3d;
 // neighbourhood needs room as well.
 constexpr double kReach = 0.5;
 
-// Rounds over the points that resist; after each, their neighbours have moved.
-constexpr int kRounds = 8;
+// A point that could move only a hair would stand in its neighbours' way, so it waits while they move first:
+// each round asks for less clearance (relative to the size of the star), the last ones for any.
+constexpr double kClearances[] = {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12, 0, 0, 0};
 
 Triple sorted(Triple t) {
   std::sort(t.begin(), t.end());
@@ -43,7 +44,8 @@ class Clearer {
 
   BoundaryPointsResult run() {
     result_.smallest_clearance = queue_.empty() ? 0 : std::numeric_limits<double>::infinity();
-    for (int round = 0; round < kRounds && !queue_.empty(); ++round) {
+    for (const double least : kClearances) {
+      least_clearance_ = least;
       std::vector<Index> left;
       for (const Index v : queue_) {
         if (context_.stop()) {
@@ -54,9 +56,7 @@ class Clearer {
         make_room(v);
         if (!clear(v)) left.push_back(v);
       }
-      const bool stuck = left.size() == queue_.size();
       queue_ = std::move(left);
-      if (stuck && round > 1) break;
     }
     result_.left = queue_;
     if (!std::isfinite(result_.smallest_clearance)) result_.smallest_clearance = 0;
@@ -107,7 +107,7 @@ class Clearer {
       if (complex_.on_boundary(u)) continue;
       find_walls(u, walls);
       Vector3d target;
-      if (find_position(u, walls, target)) complex_.move(u, target);
+      if (find_position(u, walls, 0, target)) complex_.move(u, target);
     }
   }
 
@@ -173,7 +173,7 @@ class Clearer {
     std::vector<Triple> sides = walls;
     for (const Triple& c : caps) sides.push_back({c[0], c[2], c[1]});
     Vector3d target;
-    if (!find_position(v, sides, target)) return false;
+    if (!find_position(v, sides, least_clearance_, target)) return false;
 
     for (std::size_t i = 0; i < n; ++i) label_.erase(sorted({v, ring[i], ring[(i + 1) % n]}));
     complex_.move(v, target);
@@ -268,8 +268,9 @@ class Clearer {
     });
   }
 
-  // A point well inside all half-spaces, close to the centre of the largest ball in them.
-  bool find_position(Index v, const std::vector<Triple>& sides, Vector3d& out) {
+  // A point well inside all half-spaces, close to the centre of the largest ball in them, which must have a
+  // radius of at least `least` of the star's size.
+  bool find_position(Index v, const std::vector<Triple>& sides, double least, Vector3d& out) {
     std::vector<HalfSpace> spaces;
     for (const Triple& s : sides) {
       HalfSpace h;
@@ -309,7 +310,7 @@ class Clearer {
       }
       step *= moved ? 1.3 : 0.6;
     }
-    if (!(best_value > 0)) return false;
+    if (!(best_value > least * size)) return false;
     // The way back towards the start stays inside (convex); take the exact check's word, not ours.
     for (double share = kReach; share > 1e-3; share *= 0.5)
       if (const Vector3d y = start + share * (best - start); positive(sides, y)) {
@@ -329,6 +330,7 @@ class Clearer {
   std::map<Triple, Index> label_;  // boundary triangle -> input face
   std::vector<Index> queue_;
   std::vector<Index> star_;
+  double least_clearance_ = 0;
   BoundaryPointsResult result_;
 };
 

@@ -55,6 +55,7 @@ Result<ImmersionResult> immerse(const Surface& surface, const std::vector<std::p
   TetgenOptions tetgen;
   tetgen.quality = options.radius_edge > 0;
   tetgen.radius_edge = options.radius_edge;
+  tetgen.accept_split = true;  // added points leave the boundary like those of the arrangement
   Result<TetgenResult> tets = tetrahedralize(plc, tetgen, context);
   if (!tets) return tets.error();
   out.tet_mesh_seconds = watch.lap();

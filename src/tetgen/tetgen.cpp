@@ -367,7 +367,7 @@ Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options
     if (source < 0 || source >= plc.F.rows()) return unsolved("TetGen lost track of a facet.");
     result.facet_markers[f] = plc.markers.empty() ? 1 : plc.markers[source];
   }
-  if (options.keep_facets) {
+  if (options.keep_facets && !options.accept_split) {
     std::vector<char> seen(plc.F.rows(), 0);
     bool same = result.facets.rows() == plc.F.rows();
     for (Eigen::Index f = 0; same && f < result.facets.rows(); ++f) {

@@ -26,6 +26,7 @@ struct TetgenOptions {
   bool quality = true;            // insert interior points until radius_edge holds
   double radius_edge = 2.0;       // circumradius over shortest edge
   bool keep_facets = true;        // no added points on facets (TetGen -Y)
+  bool accept_split = false;      // with keep_facets: take the result even where TetGen had to split facets
   bool fill_convex_hull = false;  // keep the tets outside the outermost facets (TetGen -c)
   double tolerance = 0;           // TetGen -T, for its coplanarity test; 0: TetGen's default
 
@@ -43,7 +44,8 @@ struct TetgenResult {
   std::size_t peak_rss_bytes = 0;    // of the child
 };
 
-// Guaranteed: every tet is exactly positive; every input vertex is a corner of some tet; with keep_facets,
+// Guaranteed: every tet is exactly positive; every input vertex is a corner of some tet; with keep_facets
+// and without accept_split,
 // `facets` are the input's facets (as vertex sets), each once.
 // Errors: usage (options), bad_input (indices, infinite coordinates, equal vertices: the message names
 // them), limit / interrupted (as the context says; the child is killed), unsolved (TetGen crashed, gave up
