@@ -16,6 +16,12 @@ constexpr double kSlow = 0.9;
 // Sines below this are hopeless for a while: thin layers grow by a factor per pass, they get more passes.
 constexpr double kThin = 1e-3;
 constexpr int kExtraPassesForThin = 40;
+// This many passes in a row that leave nearly all bad tets, with few collapses and insertions, are enough.
+constexpr int kIdlePasses = 3;
+constexpr std::int64_t kIdlePart = 50;
+// Smoothing that gains less, and insertions that gain less, cost more time and tets than they are worth.
+constexpr double kSmoothGain = 1.02;
+constexpr double kInsertGain = 1.2;
 
 DihedralStatistics statistics(const TetComplex& mesh) {
   const TetMesh plain = mesh.to_mesh(0);
@@ -33,6 +39,9 @@ struct Bad {
 Status ImproveOptions::validate() const {
   if (!(target_degrees > 0 && target_degrees <= 40))
     return Error{ErrorCode::usage, "The target angle must lie between 0 and 40 degrees."};
+  if (!(insert_below_degrees >= 0 && insert_below_degrees <= target_degrees))
+    return Error{ErrorCode::usage, "Vertices can be inserted for tets below the target angle only."};
+  if (!(growth >= 1)) return Error{ErrorCode::usage, "The allowed growth of the mesh must be at least 1."};
   if (passes < 0) return Error{ErrorCode::usage, "The number of passes must not be negative."};
   if (!(seconds >= 0)) return Error{ErrorCode::usage, "The time for the quality pass must not be negative."};
   return success();
@@ -51,6 +60,25 @@ Result<ImproveResult> improve(TetComplex& mesh, const ImproveOptions& options, c
   ImproveResult result;
   result.before = statistics(mesh);
   LocalOperations work(mesh);
+  const double insert_below = std::sin(options.insert_below_degrees * M_PI / 180);
+  const auto most_tets =
+      static_cast<std::int64_t>(options.growth * static_cast<double>(mesh.tet_count())) + 100;
+
+  // A tet that resisted is left alone until something at its corners changes or stronger means come.
+  std::int64_t now = 1;
+  std::vector<std::int64_t> touched(mesh.vertex_count(), 0);
+  struct Attempt {
+    std::int64_t time = -1;
+    bool strong = false;
+  };
+  std::vector<Attempt> attempts(mesh.tet_capacity());
+  const auto touch = [&] {
+    ++now;
+    touched.resize(mesh.vertex_count(), 0);
+    for (const Index t : work.changed())
+      for (const Index v : mesh.tet(t)) touched[v] = now;
+    return true;
+  };
 
   const auto gather = [&](double below) {
     std::vector<Bad> bad;
@@ -68,7 +96,7 @@ Result<ImproveResult> improve(TetComplex& mesh, const ImproveOptions& options, c
   static constexpr int kEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
   bool strong = false;  // collapses and insertions as well
   std::int64_t weight_before = -1;
-  int extra = 0;
+  int extra = 0, idle = 0;
   result.end = ImproveResult::End::passes_done;
   for (int pass = 0; pass < options.passes + extra; ++pass) {
     const auto pass_begin = RunContext::Clock::now();
@@ -85,6 +113,7 @@ Result<ImproveResult> improve(TetComplex& mesh, const ImproveOptions& options, c
                    std::to_string(bad.size()) + " tets below " + std::to_string(int(options.target_degrees)) +
                        " degrees");
 
+    const bool was_strong = strong;
     int count = 0;
     for (const Bad& b : bad) {
       if (++count % kPollEvery == 0) {
@@ -96,38 +125,55 @@ Result<ImproveResult> improve(TetComplex& mesh, const ImproveOptions& options, c
       }
       if (!still(b)) continue;
       const auto c = b.corners;
+      if (b.tet < static_cast<Index>(attempts.size())) {
+        const Attempt& last = attempts[b.tet];
+        if ((last.strong || !strong) &&
+            last.time >= std::max({touched[c[0]], touched[c[1]], touched[c[2]], touched[c[3]]}))
+          continue;
+      }
       bool done = false;
       for (const auto& e : kEdges) {
         if (done) break;
         if (work.fixed(c[e[0]]) && work.fixed(c[e[1]]) && mesh.edge_on_boundary(c[e[0]], c[e[1]])) continue;
         if (work.remove_edge(b.tet, c[e[0]], c[e[1]])) {
           ++record.removed_edges;
-          done = true;
+          done = touch();
         }
       }
       for (int k = 0; k < 4 && !done; ++k)
         if (work.flip_23(b.tet, k)) {
           ++record.flips;
-          done = true;
+          done = touch();
         }
       if (done) continue;
       for (const Index v : c)
-        if (still(b) && work.smooth(v)) ++record.smoothed;
-      if (!(strong || b.quality < kThin) || !still(b)) continue;
-      for (const auto& e : kEdges) {
-        if (done) break;
-        if (work.collapse(c[e[0]], c[e[1]]) || work.collapse(c[e[1]], c[e[0]])) {
-          ++record.collapsed;
-          done = true;
+        if (still(b) && work.smooth(v, kSmoothGain)) {
+          ++record.smoothed;
+          touch();
+        }
+      if (still(b) && (strong || b.quality < kThin)) {
+        for (const auto& e : kEdges) {
+          if (done) break;
+          if (work.collapse(c[e[0]], c[e[1]]) || work.collapse(c[e[1]], c[e[0]])) {
+            ++record.collapsed;
+            done = touch();
+          }
+        }
+        if (!done && strong && options.insert_vertices && work.quality(b.tet) < insert_below &&
+            mesh.tet_count() < most_tets) {
+          for (const auto& e : kEdges)
+            if (!done && work.insert_at_edge(b.tet, c[e[0]], c[e[1]], kInsertGain)) done = true;
+          if (!done) done = work.insert_at_tet(b.tet, kInsertGain);
+          if (done) {
+            ++record.inserted;
+            touch();
+          }
         }
       }
-      if (done || !strong || !options.insert_vertices) continue;
-      for (const auto& e : kEdges) {
-        if (done) break;
-        if (work.insert_at_edge(b.tet, c[e[0]], c[e[1]])) done = true;
+      if (!done && still(b)) {
+        attempts.resize(mesh.tet_capacity());
+        attempts[b.tet] = {now, strong};
       }
-      if (!done) done = work.insert_at_tet(b.tet);
-      if (done) ++record.inserted;
     }
     record.seconds = since(pass_begin);
     result.passes.push_back(record);
@@ -136,11 +182,17 @@ Result<ImproveResult> improve(TetComplex& mesh, const ImproveOptions& options, c
         record.removed_edges + record.flips + record.smoothed + record.collapsed + record.inserted;
     const bool slow = weight_before >= 0 && double(record.bad) > kSlow * double(weight_before);
     weight_before = record.bad;
-    if (strong && changes == 0) {
+    if (was_strong && changes == 0) {
       result.end = ImproveResult::End::no_progress;
       break;
     }
     if (slow || changes == 0) strong = true;
+    // What is left are tets that the boundary itself makes thin; the worst of all are over with.
+    idle = was_strong && slow && record.inserted + record.collapsed < record.bad / kIdlePart ? idle + 1 : 0;
+    if (idle >= kIdlePasses && record.worst_sine > kThin) {
+      result.end = ImproveResult::End::no_progress;
+      break;
+    }
   }
   result.after = statistics(mesh);
   result.seconds = since(begin);

@@ -24,7 +24,9 @@ struct ImproveOptions {
   double target_degrees = 15;  // tets with a dihedral angle below this, or above 180 - this, are worked on
   int passes = 12;             // over the bad tets
   bool insert_vertices = true;
-  double seconds = 60;  // of wall time; at most half of what the context has left is used
+  double insert_below_degrees = 10;  // vertices are inserted for tets this bad only
+  double growth = 1.5;               // at most this many times the tets given
+  double seconds = 60;               // of wall time; at most half of what the context has left is used
 
   Status validate() const;
 };

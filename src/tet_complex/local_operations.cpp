@@ -18,7 +18,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kLeastGain = 1e-3;
 // Functions within this factor of the worst steer the climb together with it.
 constexpr double kActiveFactor[] = {2.0, 1.25, 1.02};
-constexpr int kMostActive = 8;
+constexpr int kMostActive = 5;
 constexpr int kMostHalvings = 10;
 constexpr int kMostGrowth = 10;
 constexpr std::size_t kLargestCavity = 60;
@@ -443,12 +443,12 @@ bool LocalOperations::star_of_free(Index v) {
   return true;
 }
 
-bool LocalOperations::smooth(Index v) {
+bool LocalOperations::smooth(Index v, double gain) {
   if (!star_of_free(v)) return false;
   const double before = worst(star_);
   Vector3d x = mesh_.position(v);
   const double after = optimise(x, before, 6);
-  if (!(after > before * (1 + kLeastGain))) return false;
+  if (!(after > before * gain)) return false;
   mesh_.move(v, x);
   for (const Index t : star_) {
     const auto& c = mesh_.tet(t);
@@ -540,7 +540,7 @@ bool LocalOperations::hull_of(const Tets& cavity, std::vector<Face>& hull) {
   return pieces == 1 && vertices + hull.size() == edges.size() / 2 + 2;
 }
 
-bool LocalOperations::insert(Tets& cavity, const Vector3d& start) {
+bool LocalOperations::insert(Tets& cavity, const Vector3d& start, double gain) {
   if (!hull_of(cavity, hull_)) return false;
   double old_worst = worst(cavity);
   Vector3d x = start;
@@ -593,7 +593,7 @@ bool LocalOperations::insert(Tets& cavity, const Vector3d& start) {
   faces_ = hull_;
   load_bases();
   q = optimise(x, quality_at(x, 0), 6);
-  if (!(q > old_worst * (1 + kLeastGain))) return false;
+  if (!(q > old_worst * gain)) return false;
   // Seen from x the cavity's boundary must fill the sphere once; in a mesh that overlaps itself it might
   // do so twice, and then the old tets were no embedded cavity.
   double angle = 0;
@@ -609,19 +609,19 @@ bool LocalOperations::insert(Tets& cavity, const Vector3d& start) {
   return true;
 }
 
-bool LocalOperations::insert_at_edge(Index t, Index a, Index b) {
+bool LocalOperations::insert_at_edge(Index t, Index a, Index b, double gain) {
   mesh_.ring(t, a, b, ring_, link_);
   if (link_.size() != ring_.size()) return false;
   cavity_ = ring_;
-  return insert(cavity_, (mesh_.position(a) + mesh_.position(b)) / 2);
+  return insert(cavity_, (mesh_.position(a) + mesh_.position(b)) / 2, gain);
 }
 
-bool LocalOperations::insert_at_tet(Index t) {
+bool LocalOperations::insert_at_tet(Index t, double gain) {
   cavity_ = {t};
   const auto& c = mesh_.tet(t);
   return insert(
       cavity_,
-      (mesh_.position(c[0]) + mesh_.position(c[1]) + mesh_.position(c[2]) + mesh_.position(c[3])) / 4);
+      (mesh_.position(c[0]) + mesh_.position(c[1]) + mesh_.position(c[2]) + mesh_.position(c[3])) / 4, gain);
 }
 
 }  // namespace overtet

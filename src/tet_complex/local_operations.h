@@ -58,12 +58,13 @@ class LocalOperations {
   // of v's star, or reach at least `enough` in every new tet.
   bool collapse(Index v, Index w, double enough = 1e9);
   // A new vertex with every face of the edge's ring / the face's two tets / the tet itself, placed by
-  // optimisation; the cavity is grown over bad neighbours first. Must improve the worst tet of the cavity.
-  bool insert_at_edge(Index t, Index a, Index b);
-  bool insert_at_tet(Index t);
+  // optimisation; the cavity is grown over bad neighbours first. Must make the worst tet of the cavity
+  // better by the factor `gain`.
+  bool insert_at_edge(Index t, Index a, Index b, double gain = 1.001);
+  bool insert_at_tet(Index t, double gain = 1.001);
 
-  // Moves the free vertex v so that the worst tet of its star gets better by at least a thousandth.
-  bool smooth(Index v);
+  // Moves the free vertex v so that the worst tet of its star gets better by at least the factor `gain`.
+  bool smooth(Index v, double gain = 1.001);
   // The same towards a given place: the best of a few points on the way. Must improve the worst.
   bool move_towards(Index v, const Eigen::Vector3d& target);
 
@@ -87,7 +88,7 @@ class LocalOperations {
   // Climbs from x, whose quality is q; returns the quality reached. x changes only for the better.
   double optimise(Eigen::Vector3d& x, double q, int rounds);
   // Replaces the cavity (grown first) by a new vertex that sees its faces; starts looking at `start`.
-  bool insert(Tets& cavity, const Eigen::Vector3d& start);
+  bool insert(Tets& cavity, const Eigen::Vector3d& start, double gain);
   bool hull_of(const Tets& cavity, std::vector<Face>& hull);  // false: not a ball with free inside vertices
   bool star_of_free(Index v);                                 // star_ and faces_; false when v is fixed
 
