@@ -40,6 +40,11 @@ double run(const std::string& name, const overtet::Surface& surface,
   RunContext context;
   context.threads = settings.threads;
   context.deadline = Clock::now() + std::chrono::milliseconds(static_cast<long>(1000 * settings.time));
+  if (settings.verbose)
+    context.progress = [](std::string_view stage, double fraction, std::string_view detail) {
+      std::printf("  %.*s %.4f %.*s\n", static_cast<int>(stage.size()), stage.data(), fraction,
+                  static_cast<int>(detail.size()), detail.data());
+    };
   const auto t0 = Clock::now();
   auto forward = forward_flow(surface, pairs, forward_options, context);
   const double forward_s = since(t0);

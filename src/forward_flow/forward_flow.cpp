@@ -298,6 +298,9 @@ class Flow {
   }
 
  private:
+  // Needles flow through each other by the thousand; no later step brings that back.
+  bool exploded(Index pairs) const { return pairs > 10 * static_cast<double>(pairs_.size()) + 1000; }
+
   bool still_meets(const VertexMatrix& X, const IndexPair& p) const {
     return faces_intersect(X.data(), s_.F.row(p.a).data(), s_.F.row(p.b).data());
   }
@@ -333,6 +336,34 @@ class Flow {
     VertexMatrix rows(static_cast<Eigen::Index>(active.size()), 3);
     for (std::size_t i = 0; i < active.size(); ++i) rows.row(i) = X.row(active[i]);
     result_.states.push_back(std::move(rows));
+  }
+
+  // Moves every cluster back towards its state before the last step, as far as it stays clean: the less
+  // a surface has shrunk, the less the reverse flow has to win back.
+  void back_up(ContactMesh& mesh, const Regions& regions, const VertexMatrix& before, VertexMatrix& X) {
+    const std::size_t count = regions.clusters.size();
+    std::vector<double> crossing(count, 0), clean(count, 1);
+    const auto blend = [&](const std::vector<double>& part) {
+      VertexMatrix Y = X;
+      for (Index v : regions.active) {
+        const double t = part[regions.owner[v]];
+        if (t < 1) Y.row(v) = (1 - t) * before.row(v) + t * X.row(v);
+      }
+      return Y;
+    };
+    for (int i = 0; i < options_.bisections; ++i) {
+      std::vector<double> middle(count);
+      for (std::size_t c = 0; c < count; ++c) middle[c] = 0.5 * (crossing[c] + clean[c]);
+      std::vector<char> crosses(count, 0);
+      for (const IndexPair& p : mesh.intersections(blend(middle)))
+        for (Index f : {p.a, p.b})
+          for (int k = 0; k < 3; ++k)
+            if (const Index c = regions.owner[s_.F(f, k)]; c >= 0) crosses[c] = 1;
+      for (std::size_t c = 0; c < count; ++c) (crosses[c] ? crossing : clean)[c] = middle[c];
+    }
+    // Each cluster was clean among the others as they were then; together they are tested once more.
+    VertexMatrix Y = blend(clean);
+    if (Y.allFinite() && mesh.intersections(Y).empty()) X = std::move(Y);
   }
 
   // True: done. False: give up on regional work.
@@ -403,12 +434,15 @@ class Flow {
 
     result_.states.clear();
     VertexMatrix X = s_.V;
+    VertexMatrix before = X;  // every cluster as it was before its last step
     Pairs hits = pairs_;
     int extra = options_.extra_steps, since_full = 0;
     bool clean = false;
     for (int step = 1; step <= options_.regional_steps + options_.extra_steps; ++step) {
       if (const auto stop = context_.stop()) return *stop;
       VertexMatrix next = X;
+      for (Index v : regions.active)
+        if (state[regions.owner[v]] == State::running) before.row(v) = X.row(v);
       if (!system.step(next)) break;
       // The systems of different clusters do not see each other: who does not run, stays.
       if (!clean)
@@ -436,6 +470,7 @@ class Flow {
                       std::to_string(pairs) + " pairs");
       clean = full && pairs == 0;
       if (clean && extra-- <= 0) {
+        back_up(mesh, regions, before, X);
         finish(X, ForwardFlowResult::Termination::regional, FlowWeights::clamped, regions.active);
         return true;
       }
@@ -445,7 +480,8 @@ class Flow {
         if (state[c] == State::stalled) continue;
         state[c] = n[c] == 0 ? State::clean : State::running;
         // Its own count may rest while others still move into it, so a clean spell does not reset it.
-        if (n[c] > 0 && stagnation[c].stalled(n[c])) state[c] = State::stalled;
+        // Only full counts are compared with full counts.
+        if (full && n[c] > 0 && stagnation[c].stalled(n[c])) state[c] = State::stalled;
         any_running = any_running || state[c] == State::running;
       }
       if (!any_running) break;
@@ -517,7 +553,7 @@ class Flow {
         result_.reverse_free.assign(vertices_, 1);
         return true;
       }
-      if (full && stagnation.stalled(pairs)) return false;
+      if (full && (stagnation.stalled(pairs) || exploded(pairs))) return false;
     }
     return false;
   }
@@ -557,7 +593,7 @@ Status ForwardFlowOptions::validate() const {
   if (!positive(regional_delta) || !positive(regional_delta_radius))
     return bad("time steps must be positive.");
   if (regional_steps < 1 || regional_attempts < 1 || stall_tests < 1 || global_stall_tests < 1 ||
-      extra_steps < 0)
+      extra_steps < 0 || bisections < 0)
     return bad("counts must be positive.");
   if (!(stall_drop >= 0 && stall_drop < 1)) return bad("stall_drop must be in [0, 1).");
   if (std::isnan(smallest_weight)) return bad("smallest_weight is not a number.");

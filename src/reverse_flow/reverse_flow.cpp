@@ -18,8 +18,13 @@ namespace {
 
 constexpr const char* kStage = "reverse_flow";
 // A contact's relative distance is not taken below this: the barrier's curvature grows as 1/x^2, and
-// beyond 1e12 times the surface's own stiffness the factor loses what it knows about the surface.
-constexpr double kSmallestRelativeDistance = 1e-6;
+// beyond 1e9 times the surface's own stiffness the factor loses what it knows about the surface.
+constexpr double kSmallestRelativeDistance = 1e-4;
+// A matrix that rounding has made indefinite gets this much more mass, again and again.
+constexpr double kMoreMass = 1e3;
+constexpr int kMoreMassTries = 4;
+// Steps in a row in which nothing moved at all: the stage has locked and will not come free.
+constexpr int kStandstill = 3;
 constexpr double kMassFloor = 1e-10;  // relative to the mean mass of a vertex
 
 // Mean length of the edges at each vertex, and not less than a small part of the overall mean: collapsed
@@ -191,6 +196,7 @@ class Reverse {
 
     VertexMatrix before = U;  // the state before U, for inertia
     VertexMatrix force = VertexMatrix::Zero(n, 3);
+    int standstill = 0;
     for (int iteration = 1; iteration <= iterations; ++iteration) {
       if (const auto stop = context_.stop()) return *stop;
       if (seconds() > o_.max_seconds) return false;
@@ -198,6 +204,7 @@ class Reverse {
       record.stage = number;
       record.iteration = iteration;
 
+      mesh.set_mean_edges((o_.growth * mean_edges(U, s_.F)).cwiseMin(h));
       const VertexMatrix u = local_.gather(U);
       arap.fit_rotations(u);
       VertexMatrix gradient;
@@ -217,7 +224,12 @@ class Reverse {
         record.contacts = add_contacts(mesh.find_contacts(U), g, diagonal, entries);
 
       VertexMatrix step;
-      if (!system.factor(entries, diagonal) || !system.solve(g, step) || !step.allFinite()) {
+      bool solved = false;
+      for (int tries = 0; tries <= kMoreMassTries && !solved; ++tries) {
+        if (tries > 0) diagonal += std::pow(kMoreMass, tries) * mass;
+        solved = system.factor(entries, diagonal) && system.solve(g, step) && step.allFinite();
+      }
+      if (!solved) {
         // The rest shape is too degenerate for its Laplacian: what there is stays valid.
         context_.note(LogLevel::warning, "reverse flow: a system could not be solved; the stage ends early");
         return true;
@@ -242,7 +254,8 @@ class Reverse {
       ++result_.iterations;
       context_.report(kStage, (number + static_cast<double>(iteration) / iterations) / stages,
                       std::to_string(record.contacts) + " contacts");
-      if (move < o_.still) break;
+      standstill = move > 0 ? 0 : standstill + 1;
+      if (standstill >= kStandstill || (move < o_.still && record.halvings == 0)) break;
     }
     return true;
   }
@@ -286,17 +299,21 @@ class Reverse {
     for (int round = 0;; ++round) {
       const std::vector<ContactMesh::Hit> hits = mesh.check_step(U, P);
       if (hits.empty()) return;
-      std::vector<Index> offenders;
-      for (const auto& hit : hits) offenders.insert(offenders.end(), hit.v.begin(), hit.v.end());
+      // By vertex, how much of its step is certain to be safe: the least of its pairs.
+      std::vector<std::pair<Index, double>> offenders;
+      for (const auto& hit : hits)
+        for (Index v : hit.v) offenders.emplace_back(v, hit.safe);
       std::sort(offenders.begin(), offenders.end());
-      offenders.erase(std::unique(offenders.begin(), offenders.end()), offenders.end());
+      offenders.erase(std::unique(offenders.begin(), offenders.end(),
+                                  [](const auto& x, const auto& y) { return x.first == y.first; }),
+                      offenders.end());
       ++record.halvings;
       if (round < o_.ramp_halvings) {
         ramp(mesh, offenders, P);
       } else if (round < o_.ramp_halvings + o_.global_halvings) {
         P *= 0.5;
       } else {
-        for (Index v : offenders) {
+        for (const auto& [v, safe] : offenders) {
           if (!free_[v] || P.row(v).isZero(0)) continue;
           P.row(v).setZero();
           ++record.held;
@@ -307,18 +324,30 @@ class Reverse {
     }
   }
 
-  // Halves P at the offenders, less and less over the rings around them.
-  void ramp(const ContactMesh& mesh, const std::vector<Index>& offenders, VertexMatrix& P) const {
-    std::vector<Index> layer = offenders, next;
-    std::vector<char> seen(free_.size(), 0);
-    for (Index v : layer) seen[v] = 1;
+  // Scales P down at the offenders, less and less over the rings around them.
+  void ramp(const ContactMesh& mesh, const std::vector<std::pair<Index, double>>& offenders,
+            VertexMatrix& P) const {
+    constexpr double kLeast = 1.0 / 16, kMost = 0.7;
+    std::vector<Index> layer, next;
+    std::vector<int> reached(free_.size(), -1);       // in which ring
+    std::vector<double> source(free_.size(), kMost);  // the smallest factor of the offenders it came from
+    for (const auto& [v, safe] : offenders) {
+      layer.push_back(v);
+      reached[v] = 0;
+      source[v] = std::clamp(0.8 * safe, kLeast, kMost);
+    }
     for (int ring = 0; ring <= o_.ramp_rings && !layer.empty(); ++ring) {
-      const double factor = 1 - 0.5 * (1 - static_cast<double>(ring) / (o_.ramp_rings + 1));
       next.clear();
+      const double fade = 1 - static_cast<double>(ring) / (o_.ramp_rings + 1);
       for (Index v : layer) {
-        P.row(v) *= factor;
-        for (Index w : mesh.ring(v))
-          if (!std::exchange(seen[w], 1)) next.push_back(w);
+        P.row(v) *= 1 - (1 - source[v]) * fade;
+        for (Index w : mesh.ring(v)) {
+          if (reached[w] < 0) {
+            reached[w] = ring + 1;
+            next.push_back(w);
+          }
+          if (reached[w] == ring + 1) source[w] = std::min(source[w], source[v]);
+        }
       }
       std::swap(layer, next);
     }
@@ -437,7 +466,7 @@ Status ReverseFlowOptions::validate() const {
   const auto positive = [](double x) { return std::isfinite(x) && x > 0; };
   const auto bad = [](const std::string& what) { return Error{ErrorCode::usage, "Reverse flow: " + what}; };
   if (stage_iterations < 0 || final_iterations < 0) return bad("iteration counts must not be negative.");
-  if (!positive(eps) || !positive(kappa) || !positive(reach) || !positive(ring_reach) ||
+  if (!positive(eps) || !positive(kappa) || !positive(reach) || !positive(growth) || !positive(ring_reach) ||
       !positive(ring_floor))
     return bad("eps, kappa and the reaches must be positive.");
   if (!(repulsion >= 0) || !(repulsion_cap >= 0) || !std::isfinite(repulsion))

@@ -56,7 +56,8 @@ struct ReverseFlowOptions {
   bool inertia = false;        // (U - 2 U' + U'') / eps^2 as in the paper; else drag only
 
   double kappa = 1;         // barrier stiffness
-  double reach = 0.4;       // dhat in local mean edges
+  double reach = 0.4;       // dhat in local mean edges of W,
+  double growth = 4;        // but of at most so many present ones: collapsed parts unfold faster, lock less
   double ring_reach = 0.5;  // one-ring neighbours: at most this part of their distance at rest,
   double ring_floor = 0.1;  // at least so many mean edges
 
