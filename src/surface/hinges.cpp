@@ -226,8 +226,9 @@ std::vector<PiercedEdge> find_pierced_edges(const Surface& surface, const Surfac
   return out;
 }
 
-std::optional<int> edge_capacity(const Surface& surface, const SurfaceTopology& topology, const TriangleBvh& bvh,
-                                 Index half_edge, const std::vector<Index>& piercing) {
+std::optional<std::vector<int>> edge_levels(const Surface& surface, const SurfaceTopology& topology,
+                                            const TriangleBvh& bvh, Index half_edge,
+                                            const std::vector<Index>& piercing) {
   const Rays rays(surface.V, surface.F, bvh);
   const auto point = [&](Index v) { return surface.V.data() + 3 * std::int64_t{v}; };
   const Index twin = topology.twin[half_edge];
@@ -248,7 +249,7 @@ std::optional<int> edge_capacity(const Surface& surface, const SurfaceTopology& 
   std::sort(cuts.begin(), cuts.end());
 
   const int side = orient3d(pa, pb, pc, pd);  // > 0: reflex inside, so the outer wedge is the narrow one
-  std::optional<int> least;
+  std::vector<int> levels;
   for (std::size_t i = 1; i < cuts.size(); ++i) {
     if (cuts[i - 1] == cuts[i]) continue;
     bool counted = false;
@@ -285,11 +286,18 @@ std::optional<int> edge_capacity(const Surface& surface, const SurfaceTopology& 
       if (ray.status == RayStatus::starts_on_surface) break;
       if (ray.status != RayStatus::counted) continue;
       counted = true;
-      if (!least || ray.winding < *least) least = ray.winding;
+      levels.push_back(ray.winding);
     }
     if (!counted) return std::nullopt;
   }
-  return least;
+  return levels;
+}
+
+std::optional<int> edge_capacity(const Surface& surface, const SurfaceTopology& topology, const TriangleBvh& bvh,
+                                 Index half_edge, const std::vector<Index>& piercing) {
+  const auto levels = edge_levels(surface, topology, bvh, half_edge, piercing);
+  if (!levels || levels->empty()) return std::nullopt;
+  return *std::min_element(levels->begin(), levels->end());
 }
 
 }  // namespace overtet

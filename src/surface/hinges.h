@@ -57,9 +57,14 @@ struct PiercedEdge {
 std::vector<PiercedEdge> find_pierced_edges(const Surface& surface, const SurfaceTopology& topology,
                                             const std::vector<FacePair>& pairs);
 
-// The smallest winding number on the outer side of an edge: the minimum of m_e over the parts into which
-// `piercing` (the faces of find_pierced_edges; empty for others) cuts it. Exact. None where the edge is a
-// fold or runs inside another face.
+// The winding number m_e on the outer side of an edge, from the source of `half_edge` to its target, for
+// every part into which `piercing` (the faces of find_pierced_edges; empty for others) cuts the edge.
+// Exact. None where the edge is a fold or runs inside another face.
+std::optional<std::vector<int>> edge_levels(const Surface& surface, const SurfaceTopology& topology,
+                                            const TriangleBvh& bvh, Index half_edge,
+                                            const std::vector<Index>& piercing);
+
+// The smallest of them: what bounds k_e.
 std::optional<int> edge_capacity(const Surface& surface, const SurfaceTopology& topology, const TriangleBvh& bvh,
                                  Index half_edge, const std::vector<Index>& piercing);
 

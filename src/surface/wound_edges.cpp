@@ -1,0 +1,481 @@
+#include "src/surface/wound_edges.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <queue>
+#include <set>
+#include <unordered_map>
+
+namespace overtet {
+
+namespace {
+
+constexpr double kPiercedCost = 1000;  // one pierced edge weighs as much as this many others
+constexpr double kLengthCost = 1e-3;   // of an edge of mean length: decides between equal counts only
+constexpr int kExactEnds = 16;         // subsets of so many ends are enumerated
+constexpr double kFar = std::numeric_limits<double>::infinity();
+
+class Assigner {
+ public:
+  Assigner(const Surface& surface, const SurfaceTopology& topology, const TriangleBvh& bvh,
+           const std::vector<Hinge>& hinges, const std::vector<PiercedEdge>& pierced, const RunContext& context)
+      : surface_(surface), topology_(topology), bvh_(bvh), hinges_(hinges), context_(context) {
+    for (const PiercedEdge& e : pierced) pierced_.emplace(e.half_edge, &e.faces);
+  }
+
+  Result<WoundEdges> run() {
+    prepare();
+    std::vector<int> extra(hinges_.size(), 0);
+    WoundEdges best;
+    // First with as many layers over every hinge as its winding allows, which asks for the fewest chains;
+    // then with one layer fewer over those that could not be met.
+    for (int round = 0; round < 3; ++round) {
+      if (auto stop = context_.stop()) return *stop;
+      Result<WoundEdges> got = attempt(extra);
+      if (!got.ok()) return got;
+      if (round == 0 || got.value().unmet.size() < best.unmet.size()) best = got.value();
+      if (best.complete()) break;
+      bool changed = false;
+      for (const Index v : got.value().unmet) {
+        const int i = hinge_at_[v];
+        const auto& h = hinges_[i];
+        if (h.B0 && demand(i, extra) + 2 <= *h.B0) extra[i] += 2, changed = true;
+      }
+      if (!changed) break;
+    }
+    return best;
+  }
+
+ private:
+  struct Edge {
+    std::vector<int> levels;  // from the source of the smaller half-edge
+    int least = 0;
+    bool pierced = false;
+  };
+
+  Index edge_of(Index h) const { return std::min(h, topology_.twin[h]); }
+
+  void prepare() {
+    const Index n = static_cast<Index>(surface_.V.rows());
+    hinge_at_.assign(n, -1);
+    for (std::size_t i = 0; i < hinges_.size(); ++i) hinge_at_[hinges_[i].vertex] = static_cast<Index>(i);
+    // Ordinary vertices joined by edges that nothing pierces have the same number of layers over them.
+    patch_.resize(n);
+    for (Index v = 0; v < n; ++v) patch_[v] = v;
+    double total = 0;
+    Index count = 0;
+    for (Index h = 0; h < 3 * static_cast<Index>(surface_.F.rows()); ++h) {
+      if (h > topology_.twin[h]) continue;
+      const Index a = half_edge_source(surface_.F, h), b = half_edge_target(surface_.F, h);
+      total += (surface_.V.row(a) - surface_.V.row(b)).norm();
+      ++count;
+      if (hinge_at_[a] < 0 && hinge_at_[b] < 0 && !pierced_.count(h)) patch_[root(a)] = root(b);
+    }
+    mean_length_ = count > 0 && total > 0 ? total / count : 1;
+  }
+
+  Index root(Index v) {
+    while (patch_[v] != v) {
+      patch_[v] = patch_[patch_[v]];
+      v = patch_[v];
+    }
+    return v;
+  }
+
+  // Layers over an ordinary vertex.
+  int layers(Index v) {
+    const Index r = root(v);
+    const auto known = layers_.find(r);
+    if (known != layers_.end()) return known->second;
+    int value = 0;
+    bool found = false;
+    for (const Index h : half_edges_around(topology_, v)) {
+      const auto at = pierced_.find(edge_of(h));
+      const auto levels =
+          edge_levels(surface_, topology_, bvh_, h, at == pierced_.end() ? std::vector<Index>{} : *at->second);
+      if (!levels || levels->empty()) continue;
+      value = levels->front();
+      found = true;
+      break;
+    }
+    if (!found) value = 0;
+    layers_.emplace(r, value);
+    return value;
+  }
+
+  const Edge& edge(Index h) {
+    const Index e = edge_of(h);
+    const auto known = edges_.find(e);
+    if (known != edges_.end()) return known->second;
+    Edge out;
+    const Index a = half_edge_source(surface_.F, e), b = half_edge_target(surface_.F, e);
+    const auto at = pierced_.find(e);
+    out.pierced = at != pierced_.end();
+    if (!out.pierced && (hinge_at_[a] < 0 || hinge_at_[b] < 0)) {
+      out.levels = {layers(hinge_at_[a] < 0 ? a : b)};
+    } else {
+      const auto levels =
+          edge_levels(surface_, topology_, bvh_, e, out.pierced ? *at->second : std::vector<Index>{});
+      out.levels = levels && !levels->empty() ? *levels : std::vector<int>{0};
+    }
+    out.least = *std::min_element(out.levels.begin(), out.levels.end());
+    return edges_.emplace(e, std::move(out)).first->second;
+  }
+  int level_at(Index h, Index v) {  // next to its end v
+    const Edge& x = edge(h);
+    return half_edge_source(surface_.F, edge_of(h)) == v ? x.levels.front() : x.levels.back();
+  }
+  double cost(Index h) {
+    const double length =
+        (surface_.V.row(half_edge_source(surface_.F, h)) - surface_.V.row(half_edge_target(surface_.F, h))).norm();
+    return 1 + kLengthCost * length / mean_length_ + (edge(h).pierced ? kPiercedCost : 0);
+  }
+
+  // How many chains must end at a hinge.
+  int demand(std::size_t i, const std::vector<int>& extra) const {
+    const Hinge& h = hinges_[i];
+    if (!h.B0 || *h.B0 <= 0) return 0;
+    const int layers_over = std::clamp(h.covering, 0, *h.B0 / 2);
+    return std::min(*h.B0 - 2 * layers_over + extra[i], *h.B0);
+  }
+
+  struct Usage {
+    std::map<Index, int> edge;      // k so far
+    std::map<Index, int> vertex;    // sum of k so far
+    int of_edge(Index e) const {
+      const auto at = edge.find(e);
+      return at == edge.end() ? 0 : at->second;
+    }
+    int of_vertex(Index v) const {
+      const auto at = vertex.find(v);
+      return at == vertex.end() ? 0 : at->second;
+    }
+  };
+
+  // Whether a chain may use half-edge h on its way, given what others use.
+  bool legal(Index h, const Usage& usage) {
+    return usage.of_edge(edge_of(h)) + 1 <= edge(h).least;
+  }
+  // Whether a chain that ends at hinge v may leave through h: k_e <= m_e - c_v next to v.
+  bool legal_end(Index h, Index v, int chains) {
+    const Hinge& hinge = hinges_[hinge_at_[v]];
+    const int over = (*hinge.B0 - chains) / 2;
+    return level_at(h, v) >= 1 + over;
+  }
+  bool passable(Index v, const Usage& usage, const std::vector<int>& chains) {
+    const int i = hinge_at_[v];
+    if (i < 0) return usage.of_vertex(v) + 2 <= 2 * layers(v);
+    return hinges_[i].B0 && chains[i] + 2 + std::max(0, usage.of_vertex(v) - chains[i]) <= *hinges_[i].B0;
+  }
+
+  struct Tree {
+    std::unordered_map<Index, double> distance;
+    std::unordered_map<Index, Index> from;  // half-edge by which a vertex is reached
+  };
+
+  // Shortest legal chains from hinge `start`, until all of `targets` are reached.
+  Tree dijkstra(Index start, const std::set<Index>& targets, const Usage& usage, const std::vector<int>& chains) {
+    Tree tree;
+    using Entry = std::pair<double, Index>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+    std::set<Index> done;
+    std::size_t left = targets.size() - targets.count(start);
+    tree.distance[start] = 0;
+    queue.emplace(0, start);
+    while (!queue.empty() && left > 0) {
+      const auto [d, v] = queue.top();
+      queue.pop();
+      if (!done.insert(v).second) continue;
+      if (v != start && targets.count(v)) --left;
+      if (v != start && !passable(v, usage, chains)) continue;
+      for (const Index h : half_edges_around(topology_, v)) {
+        const Index w = half_edge_target(surface_.F, h);
+        if (w == start || done.count(w)) continue;
+        const int hinge = hinge_at_[w];
+        if (hinge >= 0 && !targets.count(w) && !passable(w, usage, chains)) continue;
+        if (!legal(h, usage)) continue;
+        if (v == start && !legal_end(h, v, chains[hinge_at_[v]])) continue;
+        if (hinge >= 0 && targets.count(w) && !legal_end(h, w, chains[hinge])) continue;
+        const double next = d + cost(h);
+        const auto at = tree.distance.find(w);
+        if (at != tree.distance.end() && at->second <= next) continue;
+        tree.distance[w] = next;
+        tree.from[w] = h;
+        queue.emplace(next, w);
+      }
+    }
+    return tree;
+  }
+
+  static void chain(const TriangleMatrix& F, const Tree& tree, Index start, Index end, std::vector<Index>& out) {
+    for (Index v = end; v != start;) {
+      const Index h = tree.from.at(v);
+      out.push_back(h);
+      v = half_edge_source(F, h);
+    }
+  }
+
+  Result<WoundEdges> attempt(const std::vector<int>& extra) {
+    region_of_.clear();
+    region_targets_.clear();
+    std::vector<int> chains(hinges_.size(), 0);
+    std::vector<int> ends;  // hinge of every chain end
+    std::set<Index> targets;
+    for (std::size_t i = 0; i < hinges_.size(); ++i) {
+      chains[i] = demand(i, extra);
+      for (int k = 0; k < chains[i]; ++k) ends.push_back(static_cast<int>(i));
+      if (chains[i] > 0) targets.insert(hinges_[i].vertex);
+    }
+    const int n = static_cast<int>(ends.size());
+    std::vector<std::vector<double>> distance(n, std::vector<double>(n, kFar));
+    for (int i = 0; i < n; ++i) {
+      if (auto stop = context_.stop()) return *stop;
+      if (i > 0 && ends[i] == ends[i - 1]) {
+        distance[i] = distance[i - 1];
+        continue;
+      }
+      const Tree tree = dijkstra(hinges_[ends[i]].vertex, reachable(ends[i], targets, chains), {}, chains);
+      for (int j = 0; j < n; ++j) {
+        const auto at = tree.distance.find(hinges_[ends[j]].vertex);
+        if (ends[j] != ends[i] && at != tree.distance.end()) distance[i][j] = at->second;
+      }
+    }
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < i; ++j) distance[i][j] = distance[j][i] = std::min(distance[i][j], distance[j][i]);
+
+    std::vector<int> partner(n, -1);
+    for (const std::vector<int>& group : groups(distance)) match(distance, group, partner);
+
+    // Route the pairs, cheapest first, each within what the others left.
+    std::vector<std::pair<int, int>> routed;
+    for (int i = 0; i < n; ++i)
+      if (partner[i] > i) routed.emplace_back(i, partner[i]);
+    std::stable_sort(routed.begin(), routed.end(), [&](const auto& a, const auto& b) {
+      return distance[a.first][a.second] < distance[b.first][b.second];
+    });
+    Usage usage;
+    std::vector<std::pair<int, int>> failed;
+    for (int pass = 0; pass < 4; ++pass) {
+      usage = {};
+      failed.clear();
+      for (const auto& pair : routed) {
+        const Index a = hinges_[ends[pair.first]].vertex, b = hinges_[ends[pair.second]].vertex;
+        const Tree tree = dijkstra(a, {b}, usage, chains);
+        if (!tree.from.count(b)) {
+          failed.push_back(pair);
+          continue;
+        }
+        std::vector<Index> path;
+        chain(surface_.F, tree, a, b, path);
+        for (const Index h : path) {
+          ++usage.edge[edge_of(h)];
+          ++usage.vertex[half_edge_source(surface_.F, h)];
+          ++usage.vertex[half_edge_target(surface_.F, h)];
+        }
+      }
+      if (failed.empty()) break;
+      // Those that found no way go first the next time.
+      std::stable_partition(routed.begin(), routed.end(), [&](const auto& pair) {
+        return std::find(failed.begin(), failed.end(), pair) != failed.end();
+      });
+    }
+    return collect(usage, distance, ends);
+  }
+
+  // Targets that a chain from hinge i could reach at all: found by flooding legal edges once per region.
+  std::set<Index> reachable(int i, const std::set<Index>& targets, const std::vector<int>& chains) {
+    std::set<Index> out;
+    std::vector<Index> stack;
+    std::set<Index> regions;
+    const Usage none;
+    const auto look = [&](Index v) {
+      for (const Index h : half_edges_around(topology_, v)) {
+        if (!legal(h, none)) continue;
+        const Index w = half_edge_target(surface_.F, h);
+        if (hinge_at_[w] >= 0 && !passable(w, none, chains)) {
+          if (targets.count(w)) out.insert(w);
+          continue;
+        }
+        regions.insert(region(w, targets, chains));
+      }
+    };
+    look(hinges_[i].vertex);
+    for (const Index r : regions) out.insert(region_targets_[r].begin(), region_targets_[r].end());
+    out.erase(hinges_[i].vertex);
+    return out;
+  }
+  Index region(Index v, const std::set<Index>& targets, const std::vector<int>& chains) {
+    const auto known = region_of_.find(v);
+    if (known != region_of_.end()) return known->second;
+    const Index r = static_cast<Index>(region_targets_.size());
+    region_targets_.emplace_back();
+    const Usage none;
+    std::vector<Index> stack{v};
+    region_of_[v] = r;
+    while (!stack.empty()) {
+      const Index u = stack.back();
+      stack.pop_back();
+      if (targets.count(u)) region_targets_[r].insert(u);
+      for (const Index h : half_edges_around(topology_, u)) {
+        if (!legal(h, none)) continue;
+        const Index w = half_edge_target(surface_.F, h);
+        if (hinge_at_[w] >= 0) {
+          if (targets.count(w)) region_targets_[r].insert(w);
+          if (!passable(w, none, chains)) continue;
+        }
+        if (region_of_.emplace(w, r).second) stack.push_back(w);
+      }
+    }
+    return r;
+  }
+
+  static std::vector<std::vector<int>> groups(const std::vector<std::vector<double>>& distance) {
+    const int n = static_cast<int>(distance.size());
+    std::vector<int> seen(n, 0);
+    std::vector<std::vector<int>> out;
+    for (int s = 0; s < n; ++s) {
+      if (seen[s]) continue;
+      std::vector<int> group{s};
+      seen[s] = 1;
+      for (std::size_t i = 0; i < group.size(); ++i)
+        for (int j = 0; j < n; ++j)
+          if (!seen[j] && distance[group[i]][j] < kFar) seen[j] = 1, group.push_back(j);
+      std::sort(group.begin(), group.end());
+      out.push_back(std::move(group));
+    }
+    return out;
+  }
+
+  // A pairing of as many ends as possible at minimum total cost.
+  static void match(const std::vector<std::vector<double>>& distance, const std::vector<int>& group,
+                    std::vector<int>& partner) {
+    const int n = static_cast<int>(group.size());
+    constexpr double alone = 1e9;  // an end without a partner: worse than any chain
+    const auto between = [&](int i, int j) { return std::min(distance[group[i]][group[j]], 2 * alone); };
+    if (n <= kExactEnds) {
+      std::vector<double> best(std::size_t{1} << n, 0);
+      std::vector<int> choice(best.size(), -1);  // partner of the lowest member
+      for (std::size_t set = 1; set < best.size(); ++set) {
+        const int i = __builtin_ctzll(set);
+        best[set] = alone + best[set & (set - 1)];
+        choice[set] = i;
+        for (int j = i + 1; j < n; ++j) {
+          if (!(set >> j & 1)) continue;
+          const double value = between(i, j) + best[set & ~(std::size_t{1} << i) & ~(std::size_t{1} << j)];
+          if (value < best[set]) best[set] = value, choice[set] = j;
+        }
+      }
+      for (std::size_t set = best.size() - 1; set != 0;) {
+        const int i = __builtin_ctzll(set), j = choice[set];
+        if (j != i) partner[group[i]] = group[j], partner[group[j]] = group[i];
+        set &= ~(std::size_t{1} << i) & ~(std::size_t{1} << j);
+      }
+      return;
+    }
+    // Cheapest first, then exchanges of two pairs (or a pair and a single) until none helps.
+    std::vector<int> mate(n, -1);
+    std::vector<std::pair<double, std::pair<int, int>>> all;
+    for (int i = 0; i < n; ++i)
+      for (int j = i + 1; j < n; ++j) all.push_back({between(i, j), {i, j}});
+    std::sort(all.begin(), all.end());
+    for (const auto& [d, ij] : all)
+      if (d < alone && mate[ij.first] < 0 && mate[ij.second] < 0) mate[ij.first] = ij.second, mate[ij.second] = ij.first;
+    const auto pair_cost = [&](int i, int j) { return i < 0 || j < 0 ? (i < 0 && j < 0 ? 0 : alone) : between(i, j); };
+    const auto join = [&](int i, int j) {
+      if (i >= 0) mate[i] = j;
+      if (j >= 0) mate[j] = i;
+    };
+    for (bool better = true; better;) {
+      better = false;
+      for (int a = 0; a < n; ++a)
+        for (int c = a + 1; c < n; ++c) {
+          const int b = mate[a], d = mate[c];
+          if (b == c) continue;
+          const double now = pair_cost(a, b) + pair_cost(c, d);
+          if (pair_cost(a, c) + pair_cost(b, d) < now - 1e-9) {
+            join(a, c);
+            join(b, d);
+            better = true;
+          } else if (b >= 0 && d >= 0 && pair_cost(a, d) + pair_cost(c, b) < now - 1e-9) {
+            join(a, d);
+            join(c, b);
+            better = true;
+          }
+        }
+    }
+    for (int i = 0; i < n; ++i)
+      if (mate[i] >= 0) partner[group[i]] = group[mate[i]];
+  }
+
+  // The edges, and every equation once more.
+  WoundEdges collect(const Usage& usage, const std::vector<std::vector<double>>& distance,
+                     const std::vector<int>& ends) {
+    WoundEdges out;
+    for (const auto& [e, k] : usage.edge) {
+      const Index a = half_edge_source(surface_.F, e), b = half_edge_target(surface_.F, e);
+      out.edges.push_back({std::min(a, b), std::max(a, b), k, edge(e).pierced});
+    }
+    std::sort(out.edges.begin(), out.edges.end(),
+              [](const WoundEdge& x, const WoundEdge& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; });
+    for (const Hinge& h : hinges_) {
+      const int sum = usage.of_vertex(h.vertex);
+      bool met = h.B0 && *h.B0 >= 0 && sum <= *h.B0 && (*h.B0 - sum) % 2 == 0 &&
+                 (*h.B0 - sum) / 2 <= std::max(0, h.covering);
+      if (met) {
+        const int over = (*h.B0 - sum) / 2;
+        for (const Index x : half_edges_around(topology_, h.vertex)) {
+          const int k = usage.of_edge(edge_of(x));
+          if (k > 0 && k > level_at(x, h.vertex) - over) met = false;
+        }
+      }
+      if (!met) out.unmet.push_back(h.vertex);
+    }
+    std::sort(out.unmet.begin(), out.unmet.end());
+    if (out.unmet.empty()) return out;
+    const Index v = out.unmet.front();
+    const Hinge& hinge = hinges_[hinge_at_[v]];
+    std::string why;
+    if (!hinge.B0) {
+      why = "its integer B0 is not defined (a fold, or another part of the surface touches it)";
+    } else if (*hinge.B0 < 0) {
+      why = "B0 = " + std::to_string(*hinge.B0) + " is negative, which no positive tets allow";
+    } else {
+      bool connected = false;
+      for (std::size_t i = 0; i < ends.size(); ++i)
+        if (hinges_[ends[i]].vertex == v)
+          for (const double d : distance[i]) connected = connected || d < kFar;
+      why = connected ? "the chains that could end there are too few or use up the same edges"
+                      : "no chain of edges whose outer side is covered leads from it to another hinge";
+    }
+    out.explanation = std::to_string(out.unmet.size()) + " of " + std::to_string(hinges_.size()) +
+                      " hinges cannot be met; vertex " + std::to_string(v) + ": " + why + ".";
+    return out;
+  }
+
+  const Surface& surface_;
+  const SurfaceTopology& topology_;
+  const TriangleBvh& bvh_;
+  const std::vector<Hinge>& hinges_;
+  const RunContext& context_;
+  std::unordered_map<Index, const std::vector<Index>*> pierced_;
+  std::vector<Index> hinge_at_;
+  std::vector<Index> patch_;
+  std::unordered_map<Index, int> layers_;
+  std::unordered_map<Index, Edge> edges_;
+  std::unordered_map<Index, Index> region_of_;
+  std::vector<std::set<Index>> region_targets_;
+  double mean_length_ = 1;
+};
+
+}  // namespace
+
+Result<WoundEdges> assign_wound_edges(const Surface& surface, const SurfaceTopology& topology,
+                                      const TriangleBvh& bvh, const std::vector<Hinge>& hinges,
+                                      const std::vector<PiercedEdge>& pierced, const RunContext& context) {
+  return Assigner(surface, topology, bvh, hinges, pierced, context).run();
+}
+
+}  // namespace overtet

@@ -1,0 +1,49 @@
+// Which boundary edges a positive tet mesh winds around once more than the surface shows.
+//
+// At every vertex p a positive mesh has B0(p) = 2 c_p + sum of k_e (hinges.h), with 0 <= c_p <= the
+// smallest winding number around p and 0 <= k_e <= the outer winding number all along e. At an ordinary
+// vertex B0 = 2 w with w the number of layers over it, so the wound edges form chains that end at hinges
+// only. The assignment pairs the hinges' odd ends by chains of edges that are legal everywhere, at minimum
+// total cost: edges that no other face pierces are preferred by far (what winds around them then stays in
+// one layer of the other parts), then few edges, then short ones.
+//
+// Exact: capacities come from exact rays between the exact crossings of an edge with the surface. The
+// pairing is optimal up to kExactEnds ends in one region (dynamic programming over subsets), beyond that
+// improved by exchanges until none helps; chains are then routed one after another within what the earlier
+// ones left, so that every result given as complete satisfies all equations (they are checked at the end).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "kernels/bvh/self_intersections.h"
+#include "overtet/result.h"
+#include "overtet/run_context.h"
+#include "overtet/types.h"
+#include "src/surface/hinges.h"
+#include "src/surface/topology.h"
+
+namespace overtet {
+
+struct WoundEdge {
+  Index a = -1, b = -1;   // a < b
+  int k = 1;              // the interior dihedral in the mesh is theta_e + 2 pi k
+  bool pierced = false;   // another face crosses the inside of the edge
+};
+
+struct WoundEdges {
+  std::vector<WoundEdge> edges;  // sorted
+  std::vector<Index> unmet;      // hinges whose equation does not hold with these edges, sorted
+  std::string explanation;       // one sentence when there are any
+  bool complete() const { return unmet.empty(); }
+};
+
+// pairs: all intersecting pairs; hinges and pierced: of find_hinges and find_pierced_edges.
+// Errors: limit or interrupted only; what cannot be met is in `unmet`. Where a hinge is unmet because no
+// legal edge leaves it, or because an odd number of ends can reach each other, no positive mesh exists as
+// far as the theory's necessary conditions go; the explanation says which.
+Result<WoundEdges> assign_wound_edges(const Surface& surface, const SurfaceTopology& topology,
+                                      const TriangleBvh& bvh, const std::vector<Hinge>& hinges,
+                                      const std::vector<PiercedEdge>& pierced, const RunContext& context);
+
+}  // namespace overtet
