@@ -21,9 +21,13 @@ LogLevel level_named(const std::string& name) {
 }
 
 void add_common(CLI::App& command, CommonOptions& o) {
-  command.add_option("--threads", o.threads, "Threads to use (default: all cores)")->check(CLI::Range(1, 4096));
-  command.add_option("--time-limit", o.time_limit, "Seconds after which to give up (exit 6)")->check(CLI::PositiveNumber);
-  command.add_option("--memory-limit", o.memory_limit, "MiB that the program and its children may use together (exit 6)")
+  command.add_option("--threads", o.threads, "Threads to use (default: all cores)")
+      ->check(CLI::Range(1, 4096));
+  command.add_option("--time-limit", o.time_limit, "Seconds after which to give up (exit 6)")
+      ->check(CLI::PositiveNumber);
+  command
+      .add_option("--memory-limit", o.memory_limit,
+                  "MiB that the program and its children may use together (exit 6)")
       ->check(CLI::PositiveNumber);
   command.add_flag("--quiet,-q", o.quiet, "Say nothing but errors");
   command.add_option("--log-level", o.log_level, "error, warning, info or debug")
@@ -33,30 +37,40 @@ void add_common(CLI::App& command, CommonOptions& o) {
 
 int parse_and_run(int argc, char** argv) {
   CLI::App app(
-      "Overtet makes tetrahedral meshes of closed triangle surfaces that pass through themselves: every input "
-      "triangle is a boundary face, every tet is positive, and the mesh overlaps itself where the surface does.",
+      "Overtet makes tetrahedral meshes of closed triangle surfaces that pass through themselves: every "
+      "input "
+      "triangle is a boundary face, every tet is positive, and the mesh overlaps itself where the surface "
+      "does.",
       "overtet");
   app.require_subcommand(1);
   app.set_version_flag("--version", "overtet " + version());
-  app.footer("Exit codes: 0 done, 2 usage, 3 bad input, 4 unsolved, 5 infeasible (a witness is in the report), "
-             "6 time or memory limit, 7 I/O, 70 internal error, 130 interrupted.");
+  app.footer(
+      "Exit codes: 0 done, 2 usage, 3 bad input, 4 unsolved, 5 infeasible (a witness is in the report), "
+      "6 time or memory limit, 7 I/O, 70 internal error, 130 interrupted.");
 
   CommonOptions common;
   MeshCommand mesh;
   CLI::App* mesh_app = app.add_subcommand("mesh", "Make a tet mesh of a surface");
   mesh_app->add_option("INPUT", mesh.input, "Surface: .obj, .off, .ply or .stl")->required();
-  mesh_app->add_option("--output,-o", mesh.output, "Tet mesh: .mesh, .msh, .vtu, or .node (with .ele)")->required();
-  mesh_app->add_option("--format", mesh.format, "medit, msh22, msh41, vtu or tetgen (default: by the output's name)")
+  mesh_app->add_option("--output,-o", mesh.output, "Tet mesh: .mesh, .msh, .vtu, or .node (with .ele)")
+      ->required();
+  mesh_app
+      ->add_option("--format", mesh.format,
+                   "medit, msh22, msh41, vtu or tetgen (default: by the output's name)")
       ->check(CLI::IsMember({"medit", "msh22", "msh41", "vtu", "tetgen"}));
   mesh_app->add_option("--report", mesh.report, "Write a report (JSON), also when there is no mesh");
   mesh_app->add_option("--on-infeasible", mesh.on_infeasible, "reject or repair")
       ->check(CLI::IsMember({"reject", "repair"}))
       ->capture_default_str();
-  mesh_app->add_option("--preset", mesh.preset,
-                       "default: without flows where that works; flow (or paper): flows and a volumetric map only")
+  mesh_app
+      ->add_option(
+          "--preset", mesh.preset,
+          "default: without flows where that works; flow (or paper): flows and a volumetric map only")
       ->check(CLI::IsMember({"default", "flow", "paper"}))
       ->capture_default_str();
-  mesh_app->add_option("--improve", mesh.improve_degrees, "Smallest dihedral angle to aim at, in degrees; 0: no quality pass")
+  mesh_app
+      ->add_option("--improve", mesh.improve_degrees,
+                   "Smallest dihedral angle to aim at, in degrees; 0: no quality pass")
       ->check(CLI::Range(0.0, 40.0))
       ->capture_default_str();
   mesh_app->add_option("--save-stages", mesh.save_stages, "Folder for the intermediate states");
@@ -64,7 +78,8 @@ int parse_and_run(int argc, char** argv) {
   add_common(*mesh_app, common);
 
   InspectCommand inspect;
-  CLI::App* inspect_app = app.add_subcommand("inspect", "Say what a surface is like and whether it can be meshed");
+  CLI::App* inspect_app =
+      app.add_subcommand("inspect", "Say what a surface is like and whether it can be meshed");
   inspect_app->add_option("INPUT", inspect.input, "Surface: .obj, .off, .ply or .stl")->required();
   inspect_app->add_flag("--json", inspect.json, "As JSON");
   inspect_app->add_flag("--pairs", inspect.pairs, "List the intersecting pairs of faces");
@@ -74,7 +89,9 @@ int parse_and_run(int argc, char** argv) {
   CLI::App* verify_app = app.add_subcommand("verify", "Check a tet mesh against its surface, exactly");
   verify_app->add_option("SURFACE", verify.surface, "Surface: .obj, .off, .ply or .stl")->required();
   verify_app->add_option("TETMESH", verify.mesh, "Tet mesh: .mesh, .msh, .vtu, .node or .ele")->required();
-  verify_app->add_option("--max-move", verify.max_move, "Allow surface vertices to have moved by this part of the diagonal")
+  verify_app
+      ->add_option("--max-move", verify.max_move,
+                   "Allow surface vertices to have moved by this part of the diagonal")
       ->check(CLI::NonNegativeNumber);
   verify_app->add_flag("--json", verify.json, "As JSON");
   add_common(*verify_app, common);
@@ -101,8 +118,10 @@ RunContext CommonOptions::context(Terminal& terminal) const {
   c.cancel = &interrupt_flag();
   // More than a century is no limit; it would overflow the clock.
   if (time_limit > 0 && time_limit < 4e9)
-    c.deadline = start + std::chrono::duration_cast<RunContext::Clock::duration>(std::chrono::duration<double>(time_limit));
-  if (memory_limit > 0 && memory_limit < 0x1p43) c.memory_limit_bytes = static_cast<std::size_t>(memory_limit * 0x1p20);
+    c.deadline = start + std::chrono::duration_cast<RunContext::Clock::duration>(
+                             std::chrono::duration<double>(time_limit));
+  if (memory_limit > 0 && memory_limit < 0x1p43)
+    c.memory_limit_bytes = static_cast<std::size_t>(memory_limit * 0x1p20);
   c.threads = threads;
   c.progress = [&terminal](std::string_view stage, double fraction, std::string_view detail) {
     terminal.progress(stage, fraction, detail);

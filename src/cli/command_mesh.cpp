@@ -19,8 +19,8 @@ bool same_file(const std::string& a, const std::string& b) {
   struct stat x, y;
   if (a.empty() || b.empty()) return false;
   if (a == b) return true;
-  return ::stat(a.c_str(), &x) == 0 && ::stat(b.c_str(), &y) == 0 && S_ISREG(x.st_mode) && x.st_dev == y.st_dev &&
-         x.st_ino == y.st_ino;
+  return ::stat(a.c_str(), &x) == 0 && ::stat(b.c_str(), &y) == 0 && S_ISREG(x.st_mode) &&
+         x.st_dev == y.st_dev && x.st_ino == y.st_ino;
 }
 
 // Before hours of work: can there be a file of this name at the end?
@@ -62,8 +62,8 @@ std::string plain(double x, int digits) {
 std::string what_was_made(const MeshCommand& c, const PipelineResult& r, double seconds) {
   return c.output + ": " + std::to_string(r.mesh.V.rows()) + " vertices, " + std::to_string(r.mesh.T.rows()) +
          " tets, smallest dihedral angle " + plain(r.report.quality ? r.report.quality->dihedral_min : 0, 2) +
-         " degrees (" + plain(r.report.quality ? r.report.quality->dihedral_p01 : 0, 1) + " at 1 %), checked exactly, " +
-         plain(seconds, 1) + " s.";
+         " degrees (" + plain(r.report.quality ? r.report.quality->dihedral_p01 : 0, 1) +
+         " at 1 %), checked exactly, " + plain(seconds, 1) + " s.";
 }
 
 }  // namespace
@@ -73,7 +73,8 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
       command.format.empty() ? tet_format_of(command.output) : tet_format_named(command.format);
   if (!format) return fail(terminal, format.error());
   if (same_file(command.input, command.output) || same_file(command.input, command.report))
-    return fail(terminal, {ErrorCode::usage, "The input would be overwritten; choose another name for the output."});
+    return fail(terminal,
+                {ErrorCode::usage, "The input would be overwritten; choose another name for the output."});
   if (same_file(command.output, command.report))
     return fail(terminal, {ErrorCode::usage, "The output and the report have the same name."});
   for (const std::string& path : {command.output, command.report})
@@ -84,7 +85,9 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
   PipelineResult result;
   result.report.options = options_of(command, common, format.value());
   const std::vector<Figure> options = result.report.options;
-  const auto seconds = [&] { return std::chrono::duration<double>(RunContext::Clock::now() - common.start).count(); };
+  const auto seconds = [&] {
+    return std::chrono::duration<double>(RunContext::Clock::now() - common.start).count();
+  };
 
   Watchdog watchdog(context.deadline, [&](int code) {
     terminal.error(code == 130 ? "Interrupted; nothing was written."

@@ -12,7 +12,8 @@ namespace overtet {
 int run(const VerifyCommand& command, const CommonOptions& common, Terminal& terminal) {
   const RunContext context = common.context(terminal);
   Watchdog watchdog(context.deadline, [&](int code) {
-    terminal.error(code == 130 ? "Interrupted." : "The time limit was reached; allow more with --time-limit.");
+    terminal.error(code == 130 ? "Interrupted."
+                               : "The time limit was reached; allow more with --time-limit.");
   });
   SurfaceReadInfo info;
   const Result<Surface> surface = read_surface(command.surface, &info);
@@ -23,7 +24,8 @@ int run(const VerifyCommand& command, const CommonOptions& common, Terminal& ter
   options.geometry_only = !info.has_vertex_order;
   options.max_move = command.max_move;
   const VerifyResult r = verify(surface.value(), mesh.value(), options, context);
-  if (!r.complete) return fail(terminal, context.stop().value_or(Error{ErrorCode::interrupted, "Interrupted."}));
+  if (!r.complete)
+    return fail(terminal, context.stop().value_or(Error{ErrorCode::interrupted, "Interrupted."}));
   const bool readable = !r.fails(Rule::R1);
   const TetQuality q = readable ? tet_quality(mesh.value()) : TetQuality{};
   watchdog.dismiss();
@@ -50,16 +52,19 @@ int run(const VerifyCommand& command, const CommonOptions& common, Terminal& ter
   } else {
     std::printf("surface   %lld vertices, %lld faces\n", static_cast<long long>(r.surface_vertices),
                 static_cast<long long>(r.surface_faces));
-    std::printf("tet mesh  %lld vertices, %lld tets, %lld boundary faces\n", static_cast<long long>(r.vertices),
-                static_cast<long long>(r.tets), static_cast<long long>(r.boundary_faces));
+    std::printf("tet mesh  %lld vertices, %lld tets, %lld boundary faces\n",
+                static_cast<long long>(r.vertices), static_cast<long long>(r.tets),
+                static_cast<long long>(r.boundary_faces));
     if (readable)
-      std::printf("dihedral  %.3g to %.4g degrees, 1 %% below %.3g\n", q.dihedral_min, q.dihedral_max, q.dihedral_p01);
+      std::printf("dihedral  %.3g to %.4g degrees, 1 %% below %.3g\n", q.dihedral_min, q.dihedral_max,
+                  q.dihedral_p01);
     for (const VerifyFailure& f : r.failures) std::printf("FAILED    %s\n", f.message.c_str());
     std::puts(r.ok() ? "accepted" : "rejected");
   }
   if (std::fflush(stdout) != 0) return fail(terminal, {ErrorCode::io, "Cannot write to standard output."});
   if (r.ok()) return 0;
-  return fail(terminal, {ErrorCode::unsolved, "The tet mesh is not what it should be: " + r.failures[0].message});
+  return fail(terminal,
+              {ErrorCode::unsolved, "The tet mesh is not what it should be: " + r.failures[0].message});
 }
 
 }  // namespace overtet

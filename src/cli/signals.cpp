@@ -59,8 +59,10 @@ void Watchdog::watch() {
   while (!dismissed_) {
     const auto now = Clock::now();
     if (interrupted && interrupted_at == Clock::time_point::max()) interrupted_at = now;
-    const bool too_long = interrupted_at != Clock::time_point::max() && now - interrupted_at > kInterruptGrace;
-    const bool too_late = deadline_ != Clock::time_point::max() && now > deadline_ && now - deadline_ > kDeadlineGrace;
+    const bool too_long =
+        interrupted_at != Clock::time_point::max() && now - interrupted_at > kInterruptGrace;
+    const bool too_late =
+        deadline_ != Clock::time_point::max() && now > deadline_ && now - deadline_ > kDeadlineGrace;
     if (too_long || too_late) {
       const int code = static_cast<int>(too_long ? ErrorCode::interrupted : ErrorCode::limit);
       late_(code);

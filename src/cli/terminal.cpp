@@ -69,7 +69,8 @@ void Terminal::progress(std::string_view stage, double fraction, std::string_vie
   const int full = static_cast<int>(std::lround(f * kCells));
   std::string text = std::string(stage);
   text.resize(std::max<std::size_t>(text.size(), 13), ' ');
-  text += " [" + std::string(static_cast<std::size_t>(full), '#') + std::string(static_cast<std::size_t>(kCells - full), '.') + "] ";
+  text += " [" + std::string(static_cast<std::size_t>(full), '#') +
+          std::string(static_cast<std::size_t>(kCells - full), '.') + "] ";
   text += std::to_string(static_cast<int>(100 * f)) + " % ";
   text += detail;
   text = one_line(text).substr(0, columns() - 1);
@@ -84,17 +85,22 @@ void Terminal::line(const char* colour, std::string_view label, std::string_view
   const std::lock_guard lock(mutex_);
   clear_locked();
   std::string text;
-  if (!label.empty()) text = colours_ ? std::string(colour) + std::string(label) + "\x1b[0m: " : std::string(label) + ": ";
+  if (!label.empty())
+    text = colours_ ? std::string(colour) + std::string(label) + "\x1b[0m: " : std::string(label) + ": ";
   put(text + one_line(message) + "\n");
 }
 
 void Terminal::log(LogLevel level, std::string_view message) {
   if (level > level_) return;
   switch (level) {
-    case LogLevel::error: return line("\x1b[31m", "error", message);
-    case LogLevel::warning: return line("\x1b[33m", "warning", message);
-    case LogLevel::info: return line("\x1b[36m", "info", message);
-    case LogLevel::debug: return line("\x1b[2m", "debug", message);
+    case LogLevel::error:
+      return line("\x1b[31m", "error", message);
+    case LogLevel::warning:
+      return line("\x1b[33m", "warning", message);
+    case LogLevel::info:
+      return line("\x1b[36m", "info", message);
+    case LogLevel::debug:
+      return line("\x1b[2m", "debug", message);
   }
 }
 

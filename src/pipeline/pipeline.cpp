@@ -10,13 +10,12 @@
 #include <new>
 #include <optional>
 
-#include "kernels/bvh/self_intersections.h"
 #include "kernels/parallel/parallel.h"
 #include "src/improve/improve.h"
+#include "src/pipeline/inspection.h"
 #include "src/pipeline/stage_files.h"
 #include "src/pipeline/unit_box.h"
 #include "src/pipeline/watch.h"
-#include "src/surface/topology.h"
 #include "src/tet_complex/tet_complex.h"
 #include "src/tetgen/tetgen.h"
 #include "src/verify/verify.h"
@@ -109,8 +108,7 @@ class Run {
 
   Surface surface_;  // in the unit box
   UnitBox box_;
-  SurfaceTopology topology_;
-  std::vector<FacePair> pairs_;
+  Inspection found_;
   std::optional<StageFiles> save_, resume_;
 };
 
@@ -118,18 +116,16 @@ Status Run::diagnose() {
   return stage("diagnose", [&](StageRecord& record) -> Status {
     report_.input.vertices = input_.V.rows();
     report_.input.faces = input_.F.rows();
-    Result<SurfaceTopology> topology = require_topology(input_);
-    if (!topology) return topology.error();
-    topology_ = std::move(topology).value();
-    report_.input.components = static_cast<std::int64_t>(topology_.components.size());
-    for (const SurfaceComponent& c : topology_.components) report_.input.genus.push_back(c.genus);
-    surface_ = input_;
-    Result<UnitBox> box = into_unit_box(surface_.V);
-    if (!box) return box.error();
-    box_ = box.value();
-    pairs_ = find_self_intersections(surface_.V, surface_.F);
-    report_.input.pairs = static_cast<std::int64_t>(pairs_.size());
+    Result<Inspection> looked = inspect(input_, context_);
+    if (!looked) return looked.error();
+    found_ = std::move(looked).value();
+    report_.input = input_record(input_, found_);
+    report_.witness = found_.witness;
     record.figures.emplace_back("pairs", report_.input.pairs);
+    if (found_.problem) return *found_.problem;
+    surface_ = input_;
+    box_ = *found_.box;
+    back_into_unit_box(surface_.V, box_);
     return success();
   });
 }
@@ -141,11 +137,13 @@ Result<TetMesh> Run::mesh_clean() {
     plc.F = surface_.F;
     // Refinement for quality can go on for ever on needles; a mesh without it is still a mesh.
     RunContext patient = context_;
-    patient.deadline = std::min(context_.deadline, RunContext::Clock::now() + quality_time(surface_.F.rows()));
+    patient.deadline =
+        std::min(context_.deadline, RunContext::Clock::now() + quality_time(surface_.F.rows()));
     TetgenOptions options;
     Result<TetgenResult> tets = tetrahedralize(plc, options, patient);
     if (!tets && !context_.stop()) {
-      context_.note(LogLevel::info, "TetGen with quality refinement: " + tets.error().message + " Trying without.");
+      context_.note(LogLevel::info,
+                    "TetGen with quality refinement: " + tets.error().message + " Trying without.");
       options.quality = false;
       tets = tetrahedralize(plc, options, context_);
     }
@@ -197,7 +195,8 @@ Status Run::finish(TetMesh mesh) {
   Status good = check(result);
   if (!good && good.error().code == ErrorCode::unsolved && options_.improve_degrees > 0) {
     // The quality pass is a luxury: fall back to the mesh before it.
-    context_.note(LogLevel::warning, "The mesh after the quality pass failed the check: " + good.error().message);
+    context_.note(LogLevel::warning,
+                  "The mesh after the quality pass failed the check: " + good.error().message);
     result = std::move(mesh);
     out_of_unit_box(result.V, box_);
     good = check(result);
@@ -222,7 +221,7 @@ Status Run::go() {
     if (!files) return files.error();
     save_ = std::move(files).value();
   }
-  if (pairs_.empty()) {
+  if (found_.pairs.empty()) {
     Result<TetMesh> mesh = mesh_clean();
     if (!mesh) return mesh.error();
     return finish(std::move(mesh).value());
@@ -240,14 +239,20 @@ Status PipelineOptions::validate() const {
 
 RunStatus status_of(ErrorCode code) {
   switch (code) {
-    case ErrorCode::bad_input: return RunStatus::bad_input;
-    case ErrorCode::unsolved: return RunStatus::unsolved;
-    case ErrorCode::infeasible: return RunStatus::infeasible;
-    case ErrorCode::limit: return RunStatus::limit;
-    case ErrorCode::interrupted: return RunStatus::interrupted;
+    case ErrorCode::bad_input:
+      return RunStatus::bad_input;
+    case ErrorCode::unsolved:
+      return RunStatus::unsolved;
+    case ErrorCode::infeasible:
+      return RunStatus::infeasible;
+    case ErrorCode::limit:
+      return RunStatus::limit;
+    case ErrorCode::interrupted:
+      return RunStatus::interrupted;
     case ErrorCode::usage:
     case ErrorCode::io:
-    case ErrorCode::internal: return RunStatus::failed;
+    case ErrorCode::internal:
+      return RunStatus::failed;
   }
   return RunStatus::failed;
 }

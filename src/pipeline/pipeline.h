@@ -41,7 +41,8 @@ struct PipelineResult {
 };
 
 // Never throws: what is thrown below (no memory left, a bug) comes back as an error.
-PipelineResult run_pipeline(const Surface& surface, const PipelineOptions& options, const RunContext& context);
+PipelineResult run_pipeline(const Surface& surface, const PipelineOptions& options,
+                            const RunContext& context);
 
 // The report's status for an error.
 RunStatus status_of(ErrorCode code);

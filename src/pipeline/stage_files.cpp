@@ -32,7 +32,8 @@ Result<StageFiles> StageFiles::create(const std::string& folder, const std::stri
 
 Result<StageFiles> StageFiles::open(const std::string& folder, const std::string& input_hash, UnitBox box) {
   Result<std::string> text = read_file(index_of(folder));
-  if (!text) return Error{ErrorCode::io, "There is nothing to resume from in " + folder + ": " + text.error().message};
+  if (!text)
+    return Error{ErrorCode::io, "There is nothing to resume from in " + folder + ": " + text.error().message};
   StageFiles files;
   files.folder_ = folder;
   files.input_hash_ = input_hash;

@@ -17,7 +17,8 @@ constexpr int kUniformUpTo = 12;
 
 void scale(VertexMatrix& V, const UnitBox& box, int sign) {
   for (Eigen::Index v = 0; v < V.rows(); ++v)
-    for (int k = 0; k < 3; ++k) V(v, k) = std::ldexp(V(v, k), sign * box.exponent[static_cast<std::size_t>(k)]);
+    for (int k = 0; k < 3; ++k)
+      V(v, k) = std::ldexp(V(v, k), sign * box.exponent[static_cast<std::size_t>(k)]);
 }
 
 std::string short_number(double x) {
@@ -49,9 +50,10 @@ Result<UnitBox> into_unit_box(VertexMatrix& V) {
     extent[i] = exponent_of(high / 2 - low / 2) + 1;
     reach[i] = exponent_of(largest);
     if (std::abs(reach[i]) > kMaxExponent)
-      return Error{ErrorCode::bad_input, "The coordinates reach " + short_number(largest) +
-                                             ", where volumes of tets are not numbers that a double can hold" +
-                                             " (the limits are about 1e-72 and 1e72): scale the model."};
+      return Error{ErrorCode::bad_input,
+                   "The coordinates reach " + short_number(largest) +
+                       ", where volumes of tets are not numbers that a double can hold" +
+                       " (the limits are about 1e-72 and 1e72): scale the model."};
   }
   const int widest = *std::max_element(extent.begin(), extent.end());
   const int all = *std::max_element(reach.begin(), reach.end());

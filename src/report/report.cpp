@@ -24,14 +24,22 @@ Json coordinate(const std::string& text) {
 
 const char* name_of(RunStatus status) {
   switch (status) {
-    case RunStatus::exact: return "exact";
-    case RunStatus::repaired: return "repaired";
-    case RunStatus::infeasible: return "infeasible";
-    case RunStatus::unsolved: return "unsolved";
-    case RunStatus::bad_input: return "bad-input";
-    case RunStatus::limit: return "limit";
-    case RunStatus::interrupted: return "interrupted";
-    case RunStatus::failed: return "failed";
+    case RunStatus::exact:
+      return "exact";
+    case RunStatus::repaired:
+      return "repaired";
+    case RunStatus::infeasible:
+      return "infeasible";
+    case RunStatus::unsolved:
+      return "unsolved";
+    case RunStatus::bad_input:
+      return "bad-input";
+    case RunStatus::limit:
+      return "limit";
+    case RunStatus::interrupted:
+      return "interrupted";
+    case RunStatus::failed:
+      return "failed";
   }
   return "failed";
 }
@@ -69,7 +77,10 @@ std::string to_json(const Report& r) {
   j["moved"] = {{"vertices", r.moved_vertices}, {"max_relative", r.max_relative_move}};
   j["stages"] = Json::array();
   for (const StageRecord& s : r.stages) {
-    Json stage = {{"name", s.name}, {"seconds", s.seconds}, {"cpu_seconds", s.cpu_seconds}, {"iterations", s.iterations}};
+    Json stage = {{"name", s.name},
+                  {"seconds", s.seconds},
+                  {"cpu_seconds", s.cpu_seconds},
+                  {"iterations", s.iterations}};
     for (const Figure& f : s.figures) stage[f.first] = value_of(f);
     j["stages"].push_back(stage);
   }
