@@ -59,6 +59,7 @@ std::size_t tree_resident_bytes() {
 RunWatch::RunWatch(const RunContext& outer)
     : inner_(outer), outer_cancel_(outer.cancel), limit_(outer.memory_limit_bytes) {
   inner_.cancel = &stop_;
+  look();  // once at once, so that short runs are measured too
   // Signals are for the thread that the caller has chosen, never for this one.
   sigset_t all, before;
   sigfillset(&all);
@@ -76,16 +77,20 @@ RunWatch::~RunWatch() {
   thread_.join();
 }
 
+void RunWatch::look() {
+  const std::size_t now = tree_resident_bytes();
+  if (now > peak_) peak_ = now;
+  if (limit_ > 0 && now > limit_) {
+    memory_exceeded_ = true;
+    stop_ = true;
+  }
+  if (outer_cancel_ && outer_cancel_->load(std::memory_order_relaxed)) stop_ = true;
+}
+
 void RunWatch::watch() {
   std::unique_lock lock(mutex_);
   while (!ended_) {
-    const std::size_t now = tree_resident_bytes();
-    if (now > peak_) peak_ = now;
-    if (limit_ > 0 && now > limit_) {
-      memory_exceeded_ = true;
-      stop_ = true;
-    }
-    if (outer_cancel_ && outer_cancel_->load(std::memory_order_relaxed)) stop_ = true;
+    look();
     wake_.wait_for(lock, kPeriod);
   }
 }

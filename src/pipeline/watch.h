@@ -33,6 +33,7 @@ class RunWatch {
   Error explained(Error error) const;
 
  private:
+  void look();
   void watch();
 
   RunContext inner_;

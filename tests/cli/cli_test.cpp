@@ -1,0 +1,259 @@
+// The program from outside: every exit code that can be provoked, what it writes and what it leaves behind.
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "src/io/surface_io.h"
+#include "src/io/tet_io.h"
+#include "tests/support/files.h"
+#include "tests/support/models.h"
+#include "tests/support/process.h"
+
+namespace overtet {
+namespace {
+
+using nlohmann::json;
+using test::shell;
+using test::ShellResult;
+using test::TemporaryFolder;
+
+class Cli : public ::testing::Test {
+ protected:
+  std::string save(const std::string& name, const Surface& s) {
+    const std::string path = folder_.file(name);
+    EXPECT_TRUE(write_surface(path, s, surface_format_of(path).value()).ok());
+    return path;
+  }
+  ShellResult run(const std::string& arguments) {
+    return shell(std::string(OVERTET_PROGRAM) + " " + arguments);
+  }
+  json report(const std::string& name) { return json::parse(test::read_text(folder_.file(name))); }
+  bool exists(const std::string& name) { return !test::read_text(folder_.file(name)).empty(); }
+  // One sentence on standard error and nothing else.
+  void expect_one_line(const ShellResult& r) {
+    EXPECT_EQ(r.out, "");
+    EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 1) << r.err;
+    EXPECT_EQ(r.err.find('\r'), std::string::npos);
+    EXPECT_EQ(r.err.rfind("overtet: ", 0), 0u) << r.err;
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(Cli, HelpAndVersion) {
+  for (const char* words : {"--help", "mesh --help", "inspect --help", "verify --help", "--version"}) {
+    const ShellResult r = run(words);
+    EXPECT_EQ(r.exit_code, 0) << words;
+    EXPECT_NE(r.out, "") << words;
+    EXPECT_EQ(r.err, "") << words;
+  }
+}
+
+TEST_F(Cli, UsageErrors) {
+  const std::string in = save("a.off", test::sphere(1));
+  const std::string out = folder_.file("o.mesh");
+  for (const std::string& words : std::vector<std::string>{
+           "", "dance", "mesh", "mesh " + in, "mesh " + in + " -o " + out + " --frobnicate",
+           "mesh " + in + " -o " + folder_.file("o.xyz"), "mesh " + in + " -o " + out + " --format abc",
+           "mesh " + in + " -o " + out + " --threads 0", "mesh " + in + " -o " + out + " --time-limit -3",
+           "mesh " + in + " -o " + in + " --format medit", "mesh " + in + " -o " + out + " --report " + out,
+           "mesh " + in + " -o " + out + " --preset best"}) {
+    const ShellResult r = run(words);
+    EXPECT_EQ(r.exit_code, 2) << words;
+    expect_one_line(r);
+  }
+  EXPECT_EQ(folder_.entries(), 1);
+}
+
+TEST_F(Cli, MeshesACleanSurface) {
+  const std::string in = save("a.off", test::torus());
+  const ShellResult r =
+      run("mesh " + in + " -o " + folder_.file("o.mesh") + " --report " + folder_.file("r.json"));
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_EQ(r.out, "");
+  EXPECT_EQ(r.err.find('\r'), std::string::npos);
+  EXPECT_EQ(folder_.entries(), 3);
+  const json j = report("r.json");
+  EXPECT_EQ(j["status"], "exact");
+  EXPECT_EQ(j["input"]["vertices"], 512);
+  EXPECT_EQ(j["input"]["faces"], 1024);
+  EXPECT_EQ(j["input"]["genus"], json::array({1}));
+  EXPECT_EQ(j["input"]["pairs"], 0);
+  EXPECT_GT(j["quality"]["tets"], 1000);
+  EXPECT_GT(j["quality"]["dihedral_min"], 1.0);
+  EXPECT_GT(j["peak_rss_bytes"], 1 << 20);
+  EXPECT_EQ(j["result_hash"].get<std::string>().size(), 16u);
+  std::vector<std::string> stages;
+  for (const json& s : j["stages"]) {
+    stages.push_back(s["name"]);
+    EXPECT_TRUE(s["seconds"].is_number() && s["cpu_seconds"].is_number() && s["iterations"].is_number());
+  }
+  EXPECT_EQ(stages, (std::vector<std::string>{"diagnose", "tet_mesh", "improve", "verify"}));
+
+  EXPECT_EQ(run("verify " + in + " " + folder_.file("o.mesh")).exit_code, 0);
+  const ShellResult other =
+      run("verify --json " + save("b.off", test::torus(32, 16, 1, 0.41)) + " " + folder_.file("o.mesh"));
+  EXPECT_EQ(other.exit_code, 4);
+  EXPECT_EQ(json::parse(other.out)["failures"][0]["rule"], "R2");
+
+  const ShellResult quiet = run("mesh " + in + " -q -o " + folder_.file("o.vtu"));
+  EXPECT_EQ(quiet.exit_code, 0);
+  EXPECT_EQ(quiet.err, "");
+}
+
+TEST_F(Cli, EveryFormatIsAccepted) {
+  const std::string in = save("a.ply", test::sphere(2));
+  for (const std::string& words : std::vector<std::string>{
+           "o.mesh", "o.msh", "o.vtu", "o.node", "o2.msh --format msh22", "strange.name --format medit"}) {
+    const ShellResult r = run("mesh " + in + " -o " + folder_.file(words));
+    EXPECT_EQ(r.exit_code, 0) << words << ": " << r.err;
+    if (words[0] == 'o') {
+      EXPECT_EQ(run("verify " + in + " " + folder_.file(words.substr(0, words.find(' ')))).exit_code, 0)
+          << words;
+    }
+  }
+  EXPECT_TRUE(exists("o.ele"));
+}
+
+TEST_F(Cli, SameBytesOnAnyNumberOfThreads) {
+  const std::string in =
+      save("a.off", test::transformed(test::sphere(3), test::some_rotation(3), Eigen::Vector3d(1, 2, 3)));
+  std::string first;
+  for (const int threads : {1, 2, 3, 8}) {
+    const ShellResult r =
+        run("mesh " + in + " -o " + folder_.file("o.mesh") + " --threads " + std::to_string(threads));
+    ASSERT_EQ(r.exit_code, 0) << r.err;
+    const std::string bytes = test::read_text(folder_.file("o.mesh"));
+    if (first.empty()) first = bytes;
+    EXPECT_EQ(bytes, first) << threads << " threads";
+  }
+}
+
+TEST_F(Cli, BadInput) {
+  Surface open = test::sphere(1);
+  open.F.conservativeResize(open.F.rows() - 1, 3);
+  const std::string in = save("open.off", open);
+  const ShellResult r =
+      run("mesh " + in + " -o " + folder_.file("o.mesh") + " --report " + folder_.file("r.json"));
+  EXPECT_EQ(r.exit_code, 3);
+  expect_one_line(r);
+  EXPECT_FALSE(exists("o.mesh"));
+  EXPECT_EQ(report("r.json")["status"], "bad-input");
+  EXPECT_EQ(run("inspect " + in).exit_code, 3);
+
+  test::write_text(folder_.file("b.off"), "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 zero\n3 0 1 2\n");
+  const ShellResult malformed = run("mesh " + folder_.file("b.off") + " -o " + folder_.file("o.mesh"));
+  EXPECT_EQ(malformed.exit_code, 3);
+  EXPECT_NE(malformed.err.find("line 5"), std::string::npos) << malformed.err;
+  expect_one_line(malformed);
+}
+
+TEST_F(Cli, Infeasible) {
+  const std::string in = save("saucer.off", test::saucer());
+  const ShellResult r =
+      run("mesh " + in + " -o " + folder_.file("o.mesh") + " --report " + folder_.file("r.json"));
+  EXPECT_EQ(r.exit_code, 5);
+  expect_one_line(r);
+  EXPECT_FALSE(exists("o.mesh"));
+  const json j = report("r.json");
+  EXPECT_EQ(j["status"], "infeasible");
+  EXPECT_EQ(j["input"]["winding_min"], -1);
+  ASSERT_EQ(j["witness"]["point"].size(), 3u);
+  EXPECT_EQ(j["witness"]["winding"], -1);
+  const ShellResult inspected = run("inspect --json " + in);
+  EXPECT_EQ(inspected.exit_code, 0);
+  EXPECT_EQ(json::parse(inspected.out)["witness"]["winding"], -1);
+}
+
+TEST_F(Cli, InspectSpeaksTextAndJson) {
+  const std::string in = save("a.obj", test::two_spheres());
+  const ShellResult text = run("inspect " + in);
+  EXPECT_EQ(text.exit_code, 0);
+  EXPECT_NE(text.out.find("genus 0"), std::string::npos);
+  const ShellResult r = run("inspect --json --pairs " + in);
+  const json j = json::parse(r.out);
+  EXPECT_EQ(j["components"].size(), 2u);
+  EXPECT_GT(j["pairs"], 10);
+  EXPECT_EQ(j["pair_list"].size(), j["pairs"].get<std::size_t>());
+  EXPECT_EQ(j["winding_max"], 2);
+  EXPECT_EQ(j["winding_min"], 0);
+}
+
+TEST_F(Cli, FilesThatCannotBeReadOrWritten) {
+  const std::string in = save("a.off", test::sphere(1));
+  for (const std::string& words :
+       std::vector<std::string>{"mesh " + folder_.file("absent.off") + " -o " + folder_.file("o.mesh"),
+                                "mesh " + folder_.path() + " -o " + folder_.file("o.mesh"),
+                                "mesh " + in + " -o " + folder_.file("no/such/o.mesh"),
+                                "mesh " + in + " --format medit -o " + folder_.path(),
+                                "mesh " + in + " --format medit -o /dev/full",
+                                "verify " + in + " " + folder_.file("absent.mesh")}) {
+    const ShellResult r = run(words);
+    EXPECT_EQ(r.exit_code, 7) << words << ": " << r.err;
+    expect_one_line(r);
+  }
+  EXPECT_EQ(run("inspect " + in + " > /dev/full").exit_code, 7);
+  EXPECT_EQ(folder_.entries(), 1);
+}
+
+TEST_F(Cli, TimeLimit) {
+  const std::string in = save("a.ply", test::sphere(6));
+  const ShellResult r = run("mesh " + in + " -o " + folder_.file("o.mesh") + " --report " +
+                            folder_.file("r.json") + " --time-limit 0.2");
+  EXPECT_EQ(r.exit_code, 6);
+  expect_one_line(r);
+  EXPECT_FALSE(exists("o.mesh"));
+  EXPECT_EQ(report("r.json")["status"], "limit");
+  EXPECT_EQ(folder_.entries(), 2);
+}
+
+TEST_F(Cli, MemoryLimit) {
+  const std::string in = save("a.ply", test::sphere(6));
+  for (const char* limit : {"1", "60"}) {
+    const ShellResult r = run("mesh " + in + " -o " + folder_.file("o.mesh") + " --memory-limit " + limit);
+    EXPECT_EQ(r.exit_code, 6) << limit;
+    expect_one_line(r);
+    EXPECT_NE(r.err.find("memory"), std::string::npos) << r.err;
+    EXPECT_EQ(folder_.entries(), 1);
+  }
+}
+
+TEST_F(Cli, InterruptsLeaveNothingBehind) {
+  const std::string in = save("a.ply", test::sphere(6));
+  for (const int number : {SIGINT, SIGTERM}) {
+    const TemporaryFolder logs;
+    test::Process p(
+        {OVERTET_PROGRAM, "mesh", in, "-o", folder_.file("o.mesh"), "--report", folder_.file("r.json")},
+        logs.path());
+    // In the middle of the work: when the child that meshes is there.
+    std::vector<pid_t> children;
+    for (int i = 0; i < 2000 && children.empty(); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      children = p.children();
+    }
+    ASSERT_FALSE(children.empty());
+    p.signal(number);
+    const std::optional<int> code = p.wait(20);
+    ASSERT_TRUE(code.has_value());
+    EXPECT_EQ(*code, 130);
+    EXPECT_EQ(test::read_text(logs.file("err")), "overtet: Interrupted; nothing was written.\n");
+    for (const pid_t child : children) {
+      for (int i = 0; i < 400 && test::is_running(child); ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      EXPECT_FALSE(test::is_running(child));
+    }
+    EXPECT_EQ(folder_.entries(), 1);
+  }
+}
+
+TEST_F(Cli, AnOldOutputSurvivesAFailure) {
+  test::write_text(folder_.file("o.mesh"), "precious");
+  EXPECT_EQ(run("mesh " + save("s.off", test::saucer()) + " -o " + folder_.file("o.mesh")).exit_code, 5);
+  EXPECT_EQ(test::read_text(folder_.file("o.mesh")), "precious");
+}
+
+}  // namespace
+}  // namespace overtet
