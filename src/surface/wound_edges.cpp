@@ -8,6 +8,7 @@
 #include <queue>
 #include <set>
 #include <unordered_map>
+#include <unordered_set>
 
 namespace overtet {
 
@@ -15,6 +16,7 @@ namespace {
 
 constexpr double kPiercedCost = 1000;  // one pierced edge weighs as much as this many others
 constexpr double kLengthCost = 1e-3;   // of an edge of mean length: decides between equal counts only
+constexpr double kClosedCost = 1e6;    // of a closed chain through a hinge, where others may do
 constexpr int kExactEnds = 16;         // subsets of so many ends are enumerated
 constexpr double kFar = std::numeric_limits<double>::infinity();
 
@@ -31,26 +33,71 @@ class Assigner {
     std::vector<int> extra(hinges_.size(), 0);
     WoundEdges best;
     // First with as many layers over every hinge as its winding allows, which asks for the fewest chains;
-    // then with one layer fewer over those that could not be met.
-    for (int round = 0; round < 3; ++round) {
-      if (auto stop = context_.stop()) return *stop;
-      Result<WoundEdges> got = attempt(extra);
-      if (!got.ok()) return got;
-      if (round == 0 || got.value().unmet.size() < best.unmet.size()) best = got.value();
-      if (best.complete()) break;
+    // then with closed chains through a hinge allowed; then with one layer fewer over the unmet ones.
+    bool first = true;
+    for (int round = 0; round < 3 && (first || !best.complete()); ++round) {
+      std::vector<Index> unmet;
+      for (const double closed_cost : {kClosedCost, 0.0}) {
+        if (auto stop = context_.stop()) return *stop;
+        Result<WoundEdges> got = attempt(extra, closed_cost);
+        if (!got.ok()) return got;
+        unmet = got.value().unmet;
+        if (first || unmet.size() < best.unmet.size()) best = got.value();
+        first = false;
+        if (best.complete()) break;
+      }
       bool changed = false;
-      for (const Index v : got.value().unmet) {
+      for (const Index v : unmet) {
         const int i = hinge_at_[v];
         const auto& h = hinges_[i];
         if (h.B0 && demand(i, extra) + 2 <= *h.B0) extra[i] += 2, changed = true;
       }
       if (!changed) break;
     }
+    if (!best.complete()) find_odd_groups(best);
     return best;
   }
 
  private:
+  // Floods the legal edges from every odd hinge, through everything.
+  void find_odd_groups(WoundEdges& out) {
+    std::unordered_set<Index> seen;
+    for (const Hinge& start : hinges_) {
+      if (!start.B0 || *start.B0 % 2 == 0 || !seen.insert(start.vertex).second) continue;
+      std::vector<Index> stack{start.vertex}, odd;
+      bool sure = true;
+      while (!stack.empty()) {
+        const Index v = stack.back();
+        stack.pop_back();
+        if (const Index i = hinge_at_[v]; i >= 0) {
+          sure = sure && hinges_[i].B0.has_value();
+          if (hinges_[i].B0 && *hinges_[i].B0 % 2 != 0) odd.push_back(v);
+        }
+        for (const Index h : half_edges_around(topology_, v)) {
+          sure = sure && edge(h).known;
+          if (edge(h).least >= 1 && seen.insert(half_edge_target(surface_.F, h)).second)
+            stack.push_back(half_edge_target(surface_.F, h));
+        }
+      }
+      if (sure && odd.size() % 2 != 0) {
+        std::sort(odd.begin(), odd.end());
+        out.odd_groups.push_back(std::move(odd));
+      }
+    }
+    if (out.odd_groups.empty()) return;
+    const auto& group = out.odd_groups.front();
+    const Hinge& hinge = hinges_[hinge_at_[group.front()]];
+    out.explanation =
+        "No positive mesh exists: at vertex " + std::to_string(group.front()) + " the integer B0 is " +
+        std::to_string(*hinge.B0) +
+        (group.size() == 1 ? ", so an odd number of its edges would have to turn once more than they show, and "
+                             "the edges whose outer side is covered all along lead from there to no other such vertex."
+                           : ", and the " + std::to_string(group.size()) +
+                                 " vertices with odd B0 that covered edges join to it cannot be paired.");
+  }
+
   struct Edge {
+    bool known = true;        // false: a fold or an edge inside a face; counted as uncovered
     std::vector<int> levels;  // from the source of the smaller half-edge
     int least = 0;
     bool pierced = false;
@@ -119,7 +166,8 @@ class Assigner {
     } else {
       const auto levels =
           edge_levels(surface_, topology_, bvh_, e, out.pierced ? *at->second : std::vector<Index>{});
-      out.levels = levels && !levels->empty() ? *levels : std::vector<int>{0};
+      out.known = levels && !levels->empty();
+      out.levels = out.known ? *levels : std::vector<int>{0};
     }
     out.least = *std::min_element(out.levels.begin(), out.levels.end());
     return edges_.emplace(e, std::move(out)).first->second;
@@ -197,7 +245,7 @@ class Assigner {
         const int hinge = hinge_at_[w];
         if (hinge >= 0 && !targets.count(w) && !passable(w, usage, chains)) continue;
         if (!legal(h, usage)) continue;
-        if (v == start && !legal_end(h, v, chains[hinge_at_[v]])) continue;
+        if (v == start && hinge_at_[v] >= 0 && !legal_end(h, v, chains[hinge_at_[v]])) continue;
         if (hinge >= 0 && targets.count(w) && !legal_end(h, w, chains[hinge])) continue;
         const double next = d + cost(h);
         const auto at = tree.distance.find(w);
@@ -218,7 +266,7 @@ class Assigner {
     }
   }
 
-  Result<WoundEdges> attempt(const std::vector<int>& extra) {
+  Result<WoundEdges> attempt(const std::vector<int>& extra, double closed_cost) {
     region_of_.clear();
     region_targets_.clear();
     std::vector<int> chains(hinges_.size(), 0);
@@ -235,6 +283,7 @@ class Assigner {
       if (auto stop = context_.stop()) return *stop;
       if (i > 0 && ends[i] == ends[i - 1]) {
         distance[i] = distance[i - 1];
+        distance[i][i - 1] = closed_cost + closed_distance(hinges_[ends[i]].vertex, chains);
         continue;
       }
       const Tree tree = dijkstra(hinges_[ends[i]].vertex, reachable(ends[i], targets, chains), {}, chains);
@@ -244,7 +293,8 @@ class Assigner {
       }
     }
     for (int i = 0; i < n; ++i)
-      for (int j = 0; j < i; ++j) distance[i][j] = distance[j][i] = std::min(distance[i][j], distance[j][i]);
+      for (int j = 0; j < i; ++j)
+        distance[i][j] = distance[j][i] = std::min(distance[i][j], distance[j][i]);
 
     std::vector<int> partner(n, -1);
     for (const std::vector<int>& group : groups(distance)) match(distance, group, partner);
@@ -263,13 +313,11 @@ class Assigner {
       failed.clear();
       for (const auto& pair : routed) {
         const Index a = hinges_[ends[pair.first]].vertex, b = hinges_[ends[pair.second]].vertex;
-        const Tree tree = dijkstra(a, {b}, usage, chains);
-        if (!tree.from.count(b)) {
+        const std::vector<Index> path = route(a, b, usage, chains);
+        if (path.empty()) {
           failed.push_back(pair);
           continue;
         }
-        std::vector<Index> path;
-        chain(surface_.F, tree, a, b, path);
         for (const Index h : path) {
           ++usage.edge[edge_of(h)];
           ++usage.vertex[half_edge_source(surface_.F, h)];
@@ -283,6 +331,36 @@ class Assigner {
       });
     }
     return collect(usage, distance, ends);
+  }
+
+  // The cheapest legal chain from hinge a to hinge b, or closed through a == b; empty when there is none.
+  std::vector<Index> route(Index a, Index b, const Usage& usage, const std::vector<int>& chains) {
+    std::vector<Index> path;
+    if (a != b) {
+      const Tree tree = dijkstra(a, {b}, usage, chains);
+      if (tree.from.count(b)) chain(surface_.F, tree, a, b, path);
+      return path;
+    }
+    double best = kFar;
+    for (const Index h : half_edges_around(topology_, a)) {
+      const Index u = half_edge_target(surface_.F, h);
+      if (!legal(h, usage) || !legal_end(h, a, chains[hinge_at_[a]]) || !passable(u, usage, chains)) continue;
+      Usage with = usage;
+      with.edge[edge_of(h)] += edge(h).least;  // not back the same way
+      const Tree tree = dijkstra(u, {a}, with, chains);
+      const auto at = tree.distance.find(a);
+      if (at == tree.distance.end() || at->second + cost(h) >= best) continue;
+      best = at->second + cost(h);
+      path.assign(1, h);
+      chain(surface_.F, tree, u, a, path);
+    }
+    return path;
+  }
+  double closed_distance(Index a, const std::vector<int>& chains) {
+    double sum = 0;
+    const auto path = route(a, a, {}, chains);
+    for (const Index h : path) sum += cost(h);
+    return path.empty() ? kFar : sum;
   }
 
   // Targets that a chain from hinge i could reach at all: found by flooding legal edges once per region.

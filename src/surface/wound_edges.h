@@ -34,14 +34,19 @@ struct WoundEdge {
 struct WoundEdges {
   std::vector<WoundEdge> edges;  // sorted
   std::vector<Index> unmet;      // hinges whose equation does not hold with these edges, sorted
-  std::string explanation;       // one sentence when there are any
+  // Groups of hinges with odd B0 that legal edges (outer side covered all along) join to each other and
+  // to no others, an odd number in each. That is a proof that no positive mesh with one turn around every
+  // interior edge exists: over such a group the sum of B0 would have to be even. A single vertex whose
+  // edges are all uncovered somewhere is the usual case.
+  std::vector<std::vector<Index>> odd_groups;
+  std::string explanation;       // one sentence when there are any unmet
   bool complete() const { return unmet.empty(); }
 };
 
 // pairs: all intersecting pairs; hinges and pierced: of find_hinges and find_pierced_edges.
 // Errors: limit or interrupted only; what cannot be met is in `unmet`. Where a hinge is unmet because no
-// legal edge leaves it, or because an odd number of ends can reach each other, no positive mesh exists as
-// far as the theory's necessary conditions go; the explanation says which.
+// legal edge leaves it, or because an odd number of ends can reach each other, `odd_groups` proves that no
+// mesh exists; other unmet hinges only say that none was found.
 Result<WoundEdges> assign_wound_edges(const Surface& surface, const SurfaceTopology& topology,
                                       const TriangleBvh& bvh, const std::vector<Hinge>& hinges,
                                       const std::vector<PiercedEdge>& pierced, const RunContext& context);
