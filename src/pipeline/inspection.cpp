@@ -130,6 +130,13 @@ Result<Inspection> inspect(const Surface& surface, const RunContext& context) {
   if (!range) return range.error();
   r.winding = std::move(range).value();
   look_for_witness(r);
+  if (r.problem || r.hinges.empty()) return r;
+  const std::vector<PiercedEdge> pierced = find_pierced_edges(surface, r.topology.topology, r.pairs);
+  if (auto stop = context.stop()) return *stop;
+  Result<WoundEdges> wound =
+      assign_wound_edges(surface, r.topology.topology, bvh, r.hinges, pierced, context);
+  if (!wound) return wound.error();
+  r.wound = std::move(wound).value();
   return r;
 }
 
@@ -156,6 +163,7 @@ std::string advice(const Inspection& r) {
   if (r.problem) return r.problem->message;
   if (r.pairs.empty())
     return "The surface does not cross itself: any tet mesh generator can mesh it, this one too.";
+  if (!r.wound.complete()) return "Overtet will hardly find a tet mesh: " + r.wound.explanation;
   return "The surface passes through itself and nothing is known that would rule out a tet mesh: overtet "
          "mesh will try.";
 }

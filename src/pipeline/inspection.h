@@ -13,6 +13,7 @@
 #include "src/surface/hinges.h"
 #include "src/surface/topology.h"
 #include "src/surface/witness.h"
+#include "src/surface/wound_edges.h"
 
 namespace overtet {
 
@@ -23,6 +24,7 @@ struct Inspection {
   std::vector<FacePair> pairs;            // sorted; what follows is filled only when nothing above is wrong
   std::vector<Hinge> hinges;
   WindingRange winding;
+  WoundEdges wound;  // edges that a mesh must wind around once more, because of the hinges
   std::optional<UnitBox> box;
 
   std::optional<Error> problem;          // why no mesh can be made: bad_input or infeasible

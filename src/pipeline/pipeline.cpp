@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "kernels/parallel/parallel.h"
+#include "src/immersion/immersion.h"
 #include "src/improve/improve.h"
 #include "src/pipeline/inspection.h"
 #include "src/pipeline/stage_files.h"
@@ -92,7 +93,9 @@ class Run {
   }
 
   Status diagnose();
+  bool lies_beside_itself() const;
   Result<TetMesh> mesh_clean();
+  Result<TetMesh> mesh_immersed();
   Status finish(TetMesh mesh);
   TetMesh improved(const TetMesh& mesh);
   template <class Geometry>
@@ -127,6 +130,31 @@ Status Run::diagnose() {
     box_ = *found_.box;
     back_into_unit_box(surface_.V, box_);
     return success();
+  });
+}
+
+// Without pairs a surface still overlaps itself where components lie inside each other.
+bool Run::lies_beside_itself() const { return found_.winding.min == 0 && found_.winding.max == 1; }
+
+Result<TetMesh> Run::mesh_immersed() {
+  return stage("immersion", [&](StageRecord& record) -> Result<TetMesh> {
+    Result<ImmersionResult> r = immerse(surface_, found_.pairs, found_.wound.edges, {}, context_);
+    if (!r) return r.error();
+    const ImmersionResult& x = r.value();
+    if (Status s = save("arrangement", Surface{x.arrangement.V, x.arrangement.F}); !s) return s.error();
+    if (Status s = save("cover", x.cover); !s) return s.error();
+    record.iterations = x.search_nodes;
+    record.figures = {{"cells", std::int64_t{x.cells}},
+                      {"regions", std::int64_t{x.regions}},
+                      {"winding_max", std::int64_t{x.winding_max}},
+                      {"boundary_points", std::int64_t{x.boundary_points}},
+                      {"refined_edges", std::int64_t{x.refined_edges}},
+                      {"tets", std::int64_t{x.mesh.T.rows()}},
+                      {"arrangement_seconds", x.arrangement_seconds},
+                      {"tet_mesh_seconds", x.tet_mesh_seconds},
+                      {"sheets_seconds", x.sheets_seconds},
+                      {"boundary_seconds", x.boundary_seconds}};
+    return std::move(r.value().mesh);
   });
 }
 
@@ -221,12 +249,12 @@ Status Run::go() {
     if (!files) return files.error();
     save_ = std::move(files).value();
   }
-  if (found_.pairs.empty()) {
-    Result<TetMesh> mesh = mesh_clean();
-    if (!mesh) return mesh.error();
-    return finish(std::move(mesh).value());
-  }
-  return Error{ErrorCode::unsolved, "no route"};
+  const bool clean =
+      found_.pairs.empty() && lies_beside_itself() &&
+      std::none_of(found_.inward.begin(), found_.inward.end(), [](bool inward) { return inward; });
+  Result<TetMesh> mesh = clean ? mesh_clean() : mesh_immersed();
+  if (!mesh) return mesh.error();
+  return finish(std::move(mesh).value());
 }
 
 }  // namespace
