@@ -1,6 +1,7 @@
 // Measures the forward and the reverse flow on surface files: one line per model.
 //
-//   perf_flows [--threads N] [--time S] [--staged] [--global] [--paper] [--ladder] [--save DIR] FILE...
+//   perf_flows [--threads N] [--time S] [--staged] [--small] [--global] [--paper] [--ladder] [--save DIR]
+//   FILE...
 //
 // Columns: faces, intersecting pairs, forward seconds / steps / attempts / weights, frozen part of the area,
 // reverse seconds / iterations / most contacts / halvings / held vertices, area ratios 1 % / 50 % / 99 %,
@@ -27,7 +28,7 @@ double since(Clock::time_point t) { return std::chrono::duration<double>(Clock::
 struct Settings {
   int threads = 0;
   double time = 600;
-  bool staged = false, global = false, paper = false, ladder = false, verbose = false;
+  bool staged = false, global = false, paper = false, ladder = false, small = false, verbose = false;
   std::string save;
 };
 
@@ -117,6 +118,8 @@ int main(int argc, char** argv) {
       settings.save = argv[++i];
     else if (a == "--staged")
       settings.staged = true;
+    else if (a == "--small")
+      settings.small = true;
     else if (a == "--global")
       settings.global = true;
     else if (a == "--paper")
@@ -144,6 +147,7 @@ int main(int argc, char** argv) {
     auto reverse = reverse_flow_ladder();
     if (settings.paper) forward = {paper_forward_flow()}, reverse = {paper_reverse_flow()};
     if (!settings.ladder) forward.resize(1), reverse.resize(1);
+    if (settings.small) forward[0] = forward_flow_ladder()[1];
     if (settings.global) forward[0].regional = false;
     if (settings.staged) reverse[0].staged = true;
     bool locked = true;

@@ -249,6 +249,7 @@ class Reverse {
       record.move = move;
       before = std::move(U);
       U = std::move(next);
+      if (o_.on_state) o_.on_state(U);
       result_.steps.push_back(record);
       result_.rollbacks += record.held;
       ++result_.iterations;
@@ -465,7 +466,8 @@ FlowQuality measure_quality(const VertexMatrix& U, const VertexMatrix& V0, const
 Status ReverseFlowOptions::validate() const {
   const auto positive = [](double x) { return std::isfinite(x) && x > 0; };
   const auto bad = [](const std::string& what) { return Error{ErrorCode::usage, "Reverse flow: " + what}; };
-  if (stage_iterations < 0 || final_iterations < 0) return bad("iteration counts must not be negative.");
+  if (stage_iterations < 0 || final_iterations < 0 || max_stages < 0)
+    return bad("iteration counts must not be negative.");
   if (!positive(eps) || !positive(kappa) || !positive(reach) || !positive(growth) || !positive(ring_reach) ||
       !positive(ring_floor))
     return bad("eps, kappa and the reaches must be positive.");
@@ -489,9 +491,10 @@ ReverseFlowOptions paper_reverse_flow() {
 std::vector<ReverseFlowOptions> reverse_flow_ladder() {
   ReverseFlowOptions direct, staged, wide, patient;
   staged.staged = true;
+  wide.staged = true;
   wide.ring_floor = 0.3;
   patient.staged = true;
-  patient.stage_iterations = 8;
+  patient.max_stages = 100;
   return {direct, staged, wide, patient};
 }
 
@@ -529,10 +532,14 @@ Result<ReverseFlowResult> reverse_flow(const Surface& surface, const VertexMatri
     return result;
   }
   Reverse reverse(surface, free, options, context, result);
-  const int total = options.staged ? static_cast<int>(stages.size()) + 1 : 1;
+  const int stored = options.staged ? static_cast<int>(stages.size()) : 0;
+  const int used = std::min(stored, options.max_stages), total = used + 1;
   for (int i = 0; i < total; ++i) {
     const bool last = i + 1 == total;
-    const VertexMatrix& W = last ? surface.V : stages[stages.size() - 1 - i];
+    // Backwards; evenly spaced, the one next to t* among them.
+    const std::size_t at =
+        last ? 0 : static_cast<std::size_t>(stored - 1 - static_cast<long>(i) * stored / used);
+    const VertexMatrix& W = last ? surface.V : stages[at];
     const auto done =
         reverse.stage(W, last ? options.final_iterations : options.stage_iterations, i, total, result.U0);
     if (!done) return done.error();

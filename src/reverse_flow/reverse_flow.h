@@ -35,6 +35,7 @@
 // the time limit strikes, nothing is returned: a caller that prefers a worse U0 sets `max_seconds`.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -50,7 +51,8 @@ struct ReverseFlowOptions {
   ContactResponse response = ContactResponse::barrier;
 
   bool staged = false;         // through the stored states, backwards; else straight to V0
-  int stage_iterations = 16;   // per stored state
+  int stage_iterations = 12;   // per stored state
+  int max_stages = 24;         // stored states used at most, evenly chosen
   int final_iterations = 100;  // at V0
   double eps = 0.5;            // simulation time step; the mass of the whole surface is 1
   bool inertia = false;        // (U - 2 U' + U'') / eps^2 as in the paper; else drag only
@@ -77,6 +79,9 @@ struct ReverseFlowOptions {
   int locked_rollbacks = 0;
   // Or a result worse than this.
   double locked_area_p01 = 0.1;
+
+  // Called with every accepted state, for tests and pictures.
+  std::function<void(const VertexMatrix&)> on_state;
 
   Status validate() const;
 };
