@@ -65,8 +65,7 @@ std::optional<int> b0(const Surface& surface, const Rays& rays, const Ring& ring
     const int side = orient3d(p, end(i), end(i + 1), end(i - 1));
     Real theta = std::atan2(sine, cosine);
     if (side == 0) {
-      if (cosine > 0) return std::nullopt;  // folded onto itself: 0 or a full turn
-      theta = kPi;
+      theta = cosine > 0 ? 2 * kPi : kPi;  // a fold shows no angle at all; a mesh needs one above 0
     } else if (side > 0) {
       theta = 2 * kPi - theta;
     }
@@ -167,14 +166,10 @@ std::vector<Hinge> find_hinges(const Surface& surface, const SurfaceTopology& to
     FacePair pair;
   };
   std::vector<At> at;
-  for (const FacePair& pair : pairs) {
-    Index common = -1;
-    int count = 0;
+  for (const FacePair& pair : pairs)
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j)
-        if (surface.F(pair.first, i) == surface.F(pair.second, j)) common = surface.F(pair.first, i), ++count;
-    if (count == 1) at.push_back({common, pair});
-  }
+        if (surface.F(pair.first, i) == surface.F(pair.second, j)) at.push_back({surface.F(pair.first, i), pair});
   std::stable_sort(at.begin(), at.end(), [](const At& a, const At& b) { return a.vertex < b.vertex; });
   std::vector<Hinge> hinges;
   for (const At& x : at) {
@@ -249,6 +244,7 @@ std::optional<std::vector<int>> edge_levels(const Surface& surface, const Surfac
   std::sort(cuts.begin(), cuts.end());
 
   const int side = orient3d(pa, pb, pc, pd);  // > 0: reflex inside, so the outer wedge is the narrow one
+  const bool fold = side == 0 && exact::sign(dot(exact::cross(e, c), exact::cross(e, d))) > 0;
   std::vector<int> levels;
   for (std::size_t i = 1; i < cuts.size(); ++i) {
     if (cuts[i - 1] == cuts[i]) continue;
@@ -275,7 +271,8 @@ std::optional<std::vector<int>> edge_levels(const Surface& surface, const Surfac
       const Rational wc(std::isfinite(1 / lc) ? weight / lc : 1.0), wd(std::isfinite(1 / ld) ? 1 / ld : 1.0);
       Vec direction;
       if (side == 0) {
-        if (exact::sign(dot(exact::cross(e, c), exact::cross(e, d))) > 0) return std::nullopt;  // a fold
+        // Straight, or a fold: its angle counts as a full turn, so the outer side is one layer less than
+        // what both sides show.
         direction = rays.normal(own[0]) + (lean / Rational(std::max(1.0, ee))) * e;
       } else {
         direction = wc * ca + wd * da;
@@ -286,7 +283,7 @@ std::optional<std::vector<int>> edge_levels(const Surface& surface, const Surfac
       if (ray.status == RayStatus::starts_on_surface) break;
       if (ray.status != RayStatus::counted) continue;
       counted = true;
-      levels.push_back(ray.winding);
+      levels.push_back(fold ? ray.winding - 1 : ray.winding);
     }
     if (!counted) return std::nullopt;
   }

@@ -31,12 +31,12 @@ namespace overtet {
 
 struct Hinge {
   Index vertex = -1;
-  // The integer of the theory; none where it is not defined: a fold (dihedral exactly 0 or 2 pi) at the
-  // vertex, or a face of another part of the surface that contains the vertex.
+  // The integer of the theory; none where it is not defined: a face of another part of the surface
+  // contains the vertex. A fold (two faces flat on each other at their edge) counts as 2 pi: 0 has no mesh.
   std::optional<int> B0;
   // The largest possible c_p: the smallest winding number around p. Negative where the winding is.
   int covering = 0;
-  std::vector<FacePair> crossings;  // faces at the vertex that intersect beyond it
+  std::vector<FacePair> crossings;  // faces at the vertex that intersect beyond it, or are folded at an edge
 };
 
 // The pairs' hinges by vertex number, with their integers. pairs: all intersecting pairs of the surface.
@@ -59,7 +59,7 @@ std::vector<PiercedEdge> find_pierced_edges(const Surface& surface, const Surfac
 
 // The winding number m_e on the outer side of an edge, from the source of `half_edge` to its target, for
 // every part into which `piercing` (the faces of find_pierced_edges; empty for others) cuts the edge.
-// Exact. None where the edge is a fold or runs inside another face.
+// Exact. None where the edge runs inside another face.
 std::optional<std::vector<int>> edge_levels(const Surface& surface, const SurfaceTopology& topology,
                                             const TriangleBvh& bvh, Index half_edge,
                                             const std::vector<Index>& piercing);

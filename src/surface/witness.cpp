@@ -1,7 +1,6 @@
 #include "src/surface/witness.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 
 #include "src/surface/exact.h"
@@ -29,6 +28,7 @@ struct Wedge {
 // What one pair says about the winding number.
 struct PairFinding {
   bool seen = false;
+  bool touches = false;  // no common segment
   int min = 0, max = 0;
   std::optional<Wedge> lowest;
   void add(int low, int high) {
@@ -82,7 +82,10 @@ class PairStudy {
     }
     bool regular = true;
     Vec from, to;
-    if (!segment(f, g, nf, ng, u, from, to, regular)) return out;
+    if (!segment(f, g, nf, ng, u, from, to, regular)) {
+      out.touches = true;
+      return out;
+    }
     pieces(f, g, nf, ng, u, from, to, regular, out);
     return out;
   }
@@ -346,38 +349,43 @@ std::optional<WindingWitness> make_witness(const Rays& rays, const Wedge& wedge)
 
 Result<WindingRange> find_winding_range(const Surface& surface, const SurfaceTopology& topology,
                                         const TriangleBvh& bvh, const std::vector<FacePair>& pairs,
-                                        const RunContext& context) {
+                                        const RunContext& context, const WindingRangeOptions& options) {
   const Rays rays(surface.V, surface.F, bvh);
   const Partners partners(pairs);
   const PairStudy study(rays, partners);
   WindingRange out;
   if (auto stop = context.stop()) return *stop;
 
-  std::vector<PairFinding> findings(pairs.size());
-  std::atomic<bool> stopped{false};
-  parallel_for(static_cast<std::int64_t>(pairs.size()), 16, [&](std::int64_t begin, std::int64_t end) {
-    if (stopped || context.stop()) {
-      stopped = true;
-      return;
-    }
-    for (std::int64_t i = begin; i < end; ++i) findings[i] = study.run(pairs[i]);
-  });
-  if (auto stop = context.stop()) return *stop;
-
+  // In waves, so that the search can end early at the same place on any number of threads.
   std::vector<Wedge> negative;
   std::vector<FacePair> negative_pair;
-  for (std::size_t i = 0; i < findings.size(); ++i) {
-    const PairFinding& x = findings[i];
-    if (!x.seen) {
-      ++out.undecided_pairs;
-      continue;
+  constexpr std::size_t wave = 512;
+  for (std::size_t first = 0; first < pairs.size(); first += wave) {
+    if (auto stop = context.stop()) return *stop;
+    if (options.stop_at_first_negative && !negative.empty()) {
+      out.complete = false;
+      break;
     }
-    out.min = std::min(out.min, x.min);
-    out.max = std::max(out.max, x.max);
-    if (x.min < 0) {
-      ++out.negative_pairs;
-      negative.push_back(*x.lowest);
-      negative_pair.push_back(pairs[i]);
+    const std::size_t last = std::min(first + wave, pairs.size());
+    std::vector<PairFinding> findings(last - first);
+    parallel_for(static_cast<std::int64_t>(last - first), 8, [&](std::int64_t begin, std::int64_t end) {
+      if (context.stop()) return;
+      for (std::int64_t i = begin; i < end; ++i) findings[i] = study.run(pairs[first + i]);
+    });
+    if (auto stop = context.stop()) return *stop;
+    for (std::size_t i = 0; i < findings.size(); ++i) {
+      const PairFinding& x = findings[i];
+      if (!x.seen) {
+        ++(x.touches ? out.touching_pairs : out.undecided_pairs);
+        continue;
+      }
+      out.min = std::min(out.min, x.min);
+      out.max = std::max(out.max, x.max);
+      if (x.min < 0) {
+        ++out.negative_pairs;
+        negative.push_back(*x.lowest);
+        negative_pair.push_back(pairs[first + i]);
+      }
     }
   }
 

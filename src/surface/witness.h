@@ -34,13 +34,19 @@ struct WindingRange {
   int min = 0, max = 0;               // over all of space (0 far away included)
   Index negative_pairs = 0;           // pairs with a curve piece where the outer wedge is negative
   std::optional<WindingWitness> witness;  // exists exactly when min < 0
-  Index undecided_pairs = 0;          // degenerate pairs (coplanar with gaps) of which no piece was seen
+  Index touching_pairs = 0;           // pairs that have a point in common only: no curve piece
+  Index undecided_pairs = 0;          // curve pieces at which no ray could be counted (not seen so far)
+  bool complete = true;               // false: the search ended at the first negative wedge
+};
+
+struct WindingRangeOptions {
+  bool stop_at_first_negative = false;  // a witness is enough; min and max then are bounds only
 };
 
 // pairs: all intersecting pairs of the surface, sorted.
 // pre: no face without area.
 Result<WindingRange> find_winding_range(const Surface& surface, const SurfaceTopology& topology,
                                         const TriangleBvh& bvh, const std::vector<FacePair>& pairs,
-                                        const RunContext& context);
+                                        const RunContext& context, const WindingRangeOptions& options = {});
 
 }  // namespace overtet
