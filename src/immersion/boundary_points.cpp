@@ -23,6 +23,12 @@ constexpr double kReach = 0.5;
 // each round asks for less clearance (relative to the size of the star), the last ones for any.
 constexpr double kClearances[] = {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12, 0, 0, 0};
 
+// Beyond this angle (radians) between the two faces at an edge, a point on it makes way for several.
+constexpr double kWideWedge = 1.9 * 3.14159265358979323846;
+
+// Corners closer to a slitting plane than this (sine) make the slit try another angle.
+constexpr double kOffPlane = 1e-4;
+
 Triple sorted(Triple t) {
   std::sort(t.begin(), t.end());
   return t;
@@ -167,6 +173,12 @@ class Clearer {
       cap_face.assign(caps.size(), face[0]);
       if (!triangulate(second, face[split], ring, caps)) return false;
       cap_face.resize(caps.size(), face[split]);
+      if (const double angle = wedge_angle(v, ring[0]); angle > kWideWedge) {
+        const std::size_t first_caps = std::count(cap_face.begin(), cap_face.end(), face[0]);
+        if (!clear_wide(v, ring[0], ring[split], angle, caps, first_caps)) return false;
+        relabel(v, ring, caps, cap_face);
+        return true;
+      }
     }
     find_walls(v, walls);  // splitting edges may have changed the star
     // Outward caps seen from inside turn the other way.
@@ -175,25 +187,207 @@ class Clearer {
     Vector3d target;
     if (!find_position(v, sides, least_clearance_, target)) return false;
 
-    for (std::size_t i = 0; i < n; ++i) label_.erase(sorted({v, ring[i], ring[(i + 1) % n]}));
     complex_.move(v, target);
     // The star is replaced by itself and the caps, so that the caps find their neighbours in it.
     std::vector<TetComplex::Tet> tets;
     for (const Index t : star_) tets.push_back(complex_.tet(t));
     for (const Triple& c : caps) tets.push_back({c[0], c[2], c[1], v});
     complex_.replace(star_, tets);
-    for (std::size_t i = 0; i < caps.size(); ++i) label_[sorted(caps[i])] = cap_face[i];
-    ++result_.removed;
+    relabel(v, ring, caps, cap_face);
     return true;
   }
 
-  // Halves an interior edge; false on the boundary or where a half would not be exactly positive.
+  // The boundary triangles around v have become the caps.
+  void relabel(Index v, const std::vector<Index>& ring, const std::vector<Triple>& caps,
+               const std::vector<Index>& cap_face) {
+    for (std::size_t i = 0; i < ring.size(); ++i) label_.erase(sorted({v, ring[i], ring[(i + 1) % ring.size()]}));
+    for (std::size_t i = 0; i < caps.size(); ++i) label_[sorted(caps[i])] = cap_face[i];
+    ++result_.removed;
+  }
+
+  // Directions around the axis from v to p, as unwrapped angles over the tets at that boundary edge.
+  struct Wedge {
+    std::vector<Index> tets, link;  // as TetComplex::ring
+    std::vector<double> angle;      // of each link vertex; the first is 0
+    Vector3d axis, u, w;
+    Vector3d direction(double a) const { return std::cos(a) * u + std::sin(a) * w; }
+  };
+
+  Wedge wedge(Index v, Index p) {
+    Wedge out;
+    complex_.ring(complex_.tet_with_edge(v, p), v, p, out.tets, out.link);
+    const Vector3d x = complex_.position(v);
+    out.axis = (complex_.position(p) - x).normalized();
+    const auto across = [&](Index i) {
+      const Vector3d d = complex_.position(i) - x;
+      return Vector3d(d - out.axis * out.axis.dot(d));
+    };
+    out.u = across(out.link[0]).normalized();
+    out.w = out.axis.cross(out.u);
+    out.angle.assign(1, 0);
+    for (std::size_t i = 0; i + 1 < out.link.size(); ++i) {
+      const Vector3d a = across(out.link[i]), b = across(out.link[i + 1]);
+      out.angle.push_back(out.angle.back() + std::atan2(out.axis.dot(a.cross(b)), a.dot(b)));
+    }
+    return out;
+  }
+  double wedge_angle(Index v, Index p) { return wedge(v, p).angle.back(); }
+
+  // A way through the link of v from p to n, in the half-plane at `angle` around the axis v-p, along edges of the
+  // complex, which are halved where the plane crosses them. Empty where it cannot be had.
+  std::vector<Index> slit(Index v, Index p, Index n, double angle) {
+    const Wedge fan = wedge(v, p);
+    const Vector3d normal = fan.direction(angle + M_PI / 2), x = complex_.position(v);
+    const auto side = [&](Index i) {
+      const Vector3d d = complex_.position(i) - x;
+      return normal.dot(d) / d.norm();
+    };
+    std::size_t i = 0;
+    while (i + 1 < fan.tets.size() && fan.angle[i + 1] <= angle) ++i;
+    Index before = fan.link[i], after = fan.link[i + 1], tet = fan.tets[i], behind = p;
+    std::vector<std::pair<Index, Index>> crossed;
+    for (int step = 0;; ++step) {
+      const double a = side(before), b = side(after);
+      if (!(a < -kOffPlane && b > kOffPlane) || step > 1000) return {};
+      crossed.emplace_back(before, after);
+      int k = 0;
+      while (complex_.tet(tet)[k] != behind) ++k;
+      const Index next = complex_.neighbour(tet, k);
+      if (next < 0) return {};
+      Index corner = -1;
+      for (const Index c : complex_.tet(next))
+        if (c != v && c != before && c != after) corner = c;
+      tet = next;
+      if (corner == n) break;
+      if (side(corner) > 0) {
+        behind = after, after = corner;
+      } else {
+        behind = before, before = corner;
+      }
+    }
+    std::vector<Index> path{p};
+    for (const auto& [a, b] : crossed) {
+      const double da = normal.dot(complex_.position(a) - x), db = normal.dot(complex_.position(b) - x);
+      const double t = da / (da - db);
+      if (!split_edge(a, b, (1 - t) * complex_.position(a) + t * complex_.position(b))) return {};
+      path.push_back(complex_.vertex_count() - 1);
+    }
+    path.push_back(n);
+    return path;
+  }
+
+  // As the single move, for an edge p-n whose tets make almost a full turn or more (wound edges): no single point
+  // sees both faces. The star of v is slit along half-planes through the edge, into sectors of less than a half
+  // turn around each of several points, which take the place of v and are joined around the edge.
+  bool clear_wide(Index v, Index p, Index n, double total, const std::vector<Triple>& caps, std::size_t first_caps) {
+    const int points = std::max(2, static_cast<int>(total / M_PI));
+    const auto angle_of = [&](double j) { return total * j / (points + 1); };  // j = 1 .. points
+    std::vector<std::vector<Index>> slits;
+    for (int j = 1; j < points; ++j) {
+      std::vector<Index> path;
+      for (const double shift : {0.0, 0.07, -0.07, 0.15, -0.15, 0.22, -0.22}) {
+        path = slit(v, p, n, angle_of(j + 0.5 + shift));
+        if (!path.empty()) break;
+      }
+      if (path.empty()) return false;
+      slits.push_back(std::move(path));
+    }
+    // Sectors: flood the star from the first face; crossing slit j leads from sector j to j + 1.
+    std::map<std::pair<Index, Index>, int> slit_of;
+    for (int j = 0; j < static_cast<int>(slits.size()); ++j)
+      for (std::size_t i = 0; i + 1 < slits[j].size(); ++i)
+        slit_of[std::minmax(slits[j][i], slits[j][i + 1])] = j;
+    complex_.star(v, star_);
+    std::map<Index, int> sector;
+    const Wedge fan = wedge(v, p);
+    sector[fan.tets.front()] = 0;
+    std::vector<Index> stack{fan.tets.front()};
+    struct Joint {
+      int sector;
+      Index a, b;  // of the slit, so that (v, a, b, fourth corner) is the tet of that sector
+    };
+    std::vector<Joint> joints;
+    while (!stack.empty()) {
+      const Index t = stack.back();
+      stack.pop_back();
+      const int here = sector[t], kv = complex_.corner(t, v);
+      for (int k = 0; k < 4; ++k) {
+        if (k == kv) continue;
+        const Index other = complex_.neighbour(t, k);
+        if (other < 0) continue;
+        Index edge[2];
+        int m = 0;
+        for (int j = 0; j < 4; ++j)
+          if (j != k && j != kv) edge[m++] = complex_.tet(t)[j];
+        int there = here;
+        if (const auto cut = slit_of.find(std::minmax(edge[0], edge[1])); cut != slit_of.end()) {
+          if (here != cut->second && here != cut->second + 1) return false;
+          there = here == cut->second ? here + 1 : here - 1;
+          if (there == here + 1) {
+            // Even permutations put v first and corner k last.
+            const bool even = even_permutation(kv, corner_of(t, edge[0]), corner_of(t, edge[1]), k);
+            joints.push_back({here, even ? edge[0] : edge[1], even ? edge[1] : edge[0]});
+          }
+        }
+        const auto [at, added] = sector.try_emplace(other, there);
+        if (added)
+          stack.push_back(other);
+        else if (at->second != there)
+          return false;
+      }
+    }
+    if (sector.size() != star_.size()) return false;
+
+    const Vector3d origin = complex_.position(v);
+    double reach = 0;
+    for (const Index t : star_)
+      for (const Index c : complex_.tet(t)) reach = std::max(reach, (complex_.position(c) - origin).norm());
+    std::vector<Index> point{v};
+    while (static_cast<int>(point.size()) < points) point.push_back(complex_.add_vertex(origin));
+    std::vector<TetComplex::Tet> tets;
+    for (const Index t : star_) {
+      auto tet = complex_.tet(t);
+      std::replace(tet.begin(), tet.end(), v, point[sector[t]]);
+      tets.push_back(tet);
+    }
+    for (const Joint& j : joints) tets.push_back({point[j.sector], j.b, j.a, point[j.sector + 1]});
+    for (int j = 0; j + 1 < points; ++j) tets.push_back({n, p, point[j], point[j + 1]});
+    // The wedge runs from the second face to the first.
+    for (std::size_t i = 0; i < caps.size(); ++i)
+      tets.push_back({caps[i][0], caps[i][2], caps[i][1], i < first_caps ? point.back() : point.front()});
+    for (double step = 0.25 * reach; step > 1e-15 * reach; step *= 0.5) {
+      for (int j = 0; j < points; ++j) complex_.move(point[j], origin + step * fan.direction(angle_of(j + 1)));
+      const bool fits = std::all_of(tets.begin(), tets.end(), [&](const TetComplex::Tet& t) {
+        return orient3d(at(t[0]), at(t[1]), at(t[2]), at(t[3])) > 0;
+      });
+      if (!fits) continue;
+      complex_.replace(star_, tets);
+      result_.smallest_clearance = std::min(result_.smallest_clearance, step);
+      return true;
+    }
+    complex_.move(v, origin);
+    return false;
+  }
+
+  int corner_of(Index t, Index v) const { return complex_.corner(t, v); }
+
+  static bool even_permutation(int a, int b, int c, int d) {
+    const int p[4] = {a, b, c, d};
+    int inversions = 0;
+    for (int i = 0; i < 4; ++i)
+      for (int j = i + 1; j < 4; ++j) inversions += p[i] > p[j];
+    return inversions % 2 == 0;
+  }
+
+  // Splits an interior edge; false on the boundary or where a part would not be exactly positive.
   bool split_edge(Index a, Index b) {
+    return split_edge(a, b, 0.5 * (complex_.position(a) + complex_.position(b)));
+  }
+  bool split_edge(Index a, Index b, const Vector3d& where) {
     if (complex_.edge_on_boundary(a, b)) return false;
     std::vector<Index> around;
     complex_.ring(a, b, around);
-    const Vector3d middle = 0.5 * (complex_.position(a) + complex_.position(b));
-    const Index m = complex_.add_vertex(middle);
+    const Index m = complex_.add_vertex(where);
     std::vector<TetComplex::Tet> halves;
     for (const Index t : around)
       for (const Index end : {a, b}) {
