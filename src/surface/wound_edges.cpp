@@ -74,8 +74,8 @@ class Assigner {
           if (hinges_[i].B0 && *hinges_[i].B0 % 2 != 0) odd.push_back(v);
         }
         for (const Index h : half_edges_around(topology_, v)) {
-          sure = sure && edge(h).known;
-          if (edge(h).least >= 1 && seen.insert(half_edge_target(surface_.F, h)).second)
+          sure = sure && (simple(h) || edge(h).known);
+          if (least(h) >= 1 && seen.insert(half_edge_target(surface_.F, h)).second)
             stack.push_back(half_edge_target(surface_.F, h));
         }
       }
@@ -100,7 +100,6 @@ class Assigner {
     bool known = true;        // false: a fold or an edge inside a face; counted as uncovered
     std::vector<int> levels;  // from the source of the smaller half-edge
     int least = 0;
-    bool pierced = false;
   };
 
   Index edge_of(Index h) const { return std::min(h, topology_.twin[h]); }
@@ -112,6 +111,12 @@ class Assigner {
     // Ordinary vertices joined by edges that nothing pierces have the same number of layers over them.
     patch_.resize(n);
     for (Index v = 0; v < n; ++v) patch_[v] = v;
+    layers_.assign(n, kUnknown);
+    region_of_.assign(n, -1);
+    tree_.distance.assign(n, kFar);
+    tree_.from.assign(n, -1);
+    is_pierced_.assign(surface_.F.rows() * 3, 0);
+    for (const auto& [e, faces] : pierced_) is_pierced_[e] = 1;
     double total = 0;
     Index count = 0;
     for (Index h = 0; h < 3 * static_cast<Index>(surface_.F.rows()); ++h) {
@@ -119,7 +124,7 @@ class Assigner {
       const Index a = half_edge_source(surface_.F, h), b = half_edge_target(surface_.F, h);
       total += (surface_.V.row(a) - surface_.V.row(b)).norm();
       ++count;
-      if (hinge_at_[a] < 0 && hinge_at_[b] < 0 && !pierced_.count(h)) patch_[root(a)] = root(b);
+      if (hinge_at_[a] < 0 && hinge_at_[b] < 0 && !is_pierced_[h]) patch_[root(a)] = root(b);
     }
     mean_length_ = count > 0 && total > 0 ? total / count : 1;
   }
@@ -135,8 +140,7 @@ class Assigner {
   // Layers over an ordinary vertex.
   int layers(Index v) {
     const Index r = root(v);
-    const auto known = layers_.find(r);
-    if (known != layers_.end()) return known->second;
+    if (layers_[r] != kUnknown) return layers_[r];
     int value = 0;
     bool found = false;
     for (const Index h : half_edges_around(topology_, v)) {
@@ -149,8 +153,7 @@ class Assigner {
       break;
     }
     if (!found) value = 0;
-    layers_.emplace(r, value);
-    return value;
+    return layers_[r] = value;
   }
 
   const Edge& edge(Index h) {
@@ -158,28 +161,33 @@ class Assigner {
     const auto known = edges_.find(e);
     if (known != edges_.end()) return known->second;
     Edge out;
-    const Index a = half_edge_source(surface_.F, e), b = half_edge_target(surface_.F, e);
     const auto at = pierced_.find(e);
-    out.pierced = at != pierced_.end();
-    if (!out.pierced && (hinge_at_[a] < 0 || hinge_at_[b] < 0)) {
-      out.levels = {layers(hinge_at_[a] < 0 ? a : b)};
-    } else {
-      const auto levels =
-          edge_levels(surface_, topology_, bvh_, e, out.pierced ? *at->second : std::vector<Index>{});
-      out.known = levels && !levels->empty();
-      out.levels = out.known ? *levels : std::vector<int>{0};
-    }
+    const auto levels =
+        edge_levels(surface_, topology_, bvh_, e, at == pierced_.end() ? std::vector<Index>{} : *at->second);
+    out.known = levels && !levels->empty();
+    out.levels = out.known ? *levels : std::vector<int>{0};
     out.least = *std::min_element(out.levels.begin(), out.levels.end());
     return edges_.emplace(e, std::move(out)).first->second;
   }
+  // Edges that nothing pierces, with an ordinary end, are the bulk and need no entry of their own.
+  bool simple(Index h) const {
+    return !is_pierced_[edge_of(h)] &&
+           (hinge_at_[half_edge_source(surface_.F, h)] < 0 || hinge_at_[half_edge_target(surface_.F, h)] < 0);
+  }
+  int least(Index h) {
+    if (!simple(h)) return edge(h).least;
+    const Index a = half_edge_source(surface_.F, h);
+    return layers(hinge_at_[a] < 0 ? a : half_edge_target(surface_.F, h));
+  }
   int level_at(Index h, Index v) {  // next to its end v
+    if (simple(h)) return least(h);
     const Edge& x = edge(h);
     return half_edge_source(surface_.F, edge_of(h)) == v ? x.levels.front() : x.levels.back();
   }
   double cost(Index h) {
     const double length =
         (surface_.V.row(half_edge_source(surface_.F, h)) - surface_.V.row(half_edge_target(surface_.F, h))).norm();
-    return 1 + kLengthCost * length / mean_length_ + (edge(h).pierced ? kPiercedCost : 0);
+    return 1 + kLengthCost * length / mean_length_ + (is_pierced_[edge_of(h)] ? kPiercedCost : 0);
   }
 
   // How many chains must end at a hinge.
@@ -205,7 +213,7 @@ class Assigner {
 
   // Whether a chain may use half-edge h on its way, given what others use.
   bool legal(Index h, const Usage& usage) {
-    return usage.of_edge(edge_of(h)) + 1 <= edge(h).least;
+    return usage.of_edge(edge_of(h)) + 1 <= least(h);
   }
   // Whether a chain that ends at hinge v may leave through h: k_e <= m_e - c_v next to v.
   bool legal_end(Index h, Index v, int chains) {
@@ -219,55 +227,78 @@ class Assigner {
     return hinges_[i].B0 && chains[i] + 2 + std::max(0, usage.of_vertex(v) - chains[i]) <= *hinges_[i].B0;
   }
 
+  // Of the last search; arrays over all vertices, cleaned where they were touched.
   struct Tree {
-    std::unordered_map<Index, double> distance;
-    std::unordered_map<Index, Index> from;  // half-edge by which a vertex is reached
+    std::vector<double> distance;
+    std::vector<Index> from;  // half-edge by which a vertex is reached
+    std::vector<Index> touched;
+    void clear() {
+      for (const Index v : touched) distance[v] = kFar, from[v] = -1;
+      touched.clear();
+    }
   };
 
-  // Shortest legal chains from hinge `start`, until all of `targets` are reached.
-  Tree dijkstra(Index start, const std::set<Index>& targets, const Usage& usage, const std::vector<int>& chains) {
-    Tree tree;
+  // f(half-edge) for all that leave v.
+  template <class F>
+  void around(Index v, F&& f) const {
+    const Index first = topology_.out[v];
+    Index h = first;
+    do {
+      f(h);
+      h = topology_.twin[previous_half_edge(h)];
+    } while (h != first);
+  }
+
+  // Shortest legal chains from `start` (a hinge, or a vertex next to one), until all of `targets` are
+  // reached. The result is valid until the next call.
+  const Tree& dijkstra(Index start, const std::set<Index>& targets, const Usage& usage,
+                       const std::vector<int>& chains) {
+    Tree& tree = tree_;
+    tree.clear();
     using Entry = std::pair<double, Index>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-    std::set<Index> done;
     std::size_t left = targets.size() - targets.count(start);
     tree.distance[start] = 0;
+    tree.touched.push_back(start);
     queue.emplace(0, start);
     while (!queue.empty() && left > 0) {
       const auto [d, v] = queue.top();
       queue.pop();
-      if (!done.insert(v).second) continue;
-      if (v != start && targets.count(v)) --left;
+      if (d > tree.distance[v]) continue;
+      const bool is_target = hinge_at_[v] >= 0 && targets.count(v);
+      if (v != start && is_target) --left;
       if (v != start && !passable(v, usage, chains)) continue;
-      for (const Index h : half_edges_around(topology_, v)) {
+      around(v, [&](Index h) {
         const Index w = half_edge_target(surface_.F, h);
-        if (w == start || done.count(w)) continue;
+        if (w == start || !legal(h, usage)) return;
         const int hinge = hinge_at_[w];
-        if (hinge >= 0 && !targets.count(w) && !passable(w, usage, chains)) continue;
-        if (!legal(h, usage)) continue;
-        if (v == start && hinge_at_[v] >= 0 && !legal_end(h, v, chains[hinge_at_[v]])) continue;
-        if (hinge >= 0 && targets.count(w) && !legal_end(h, w, chains[hinge])) continue;
+        if (hinge >= 0) {
+          const bool target = targets.count(w) > 0;
+          if (!target && !passable(w, usage, chains)) return;
+          if (target && !legal_end(h, w, chains[hinge])) return;
+        }
+        if (v == start && hinge_at_[v] >= 0 && !legal_end(h, v, chains[hinge_at_[v]])) return;
         const double next = d + cost(h);
-        const auto at = tree.distance.find(w);
-        if (at != tree.distance.end() && at->second <= next) continue;
+        if (tree.distance[w] <= next) return;
+        if (tree.distance[w] == kFar) tree.touched.push_back(w);
         tree.distance[w] = next;
         tree.from[w] = h;
         queue.emplace(next, w);
-      }
+      });
     }
     return tree;
   }
 
   static void chain(const TriangleMatrix& F, const Tree& tree, Index start, Index end, std::vector<Index>& out) {
     for (Index v = end; v != start;) {
-      const Index h = tree.from.at(v);
+      const Index h = tree.from[v];
       out.push_back(h);
       v = half_edge_source(F, h);
     }
   }
 
   Result<WoundEdges> attempt(const std::vector<int>& extra, double closed_cost) {
-    region_of_.clear();
+    std::fill(region_of_.begin(), region_of_.end(), -1);
     region_targets_.clear();
     std::vector<int> chains(hinges_.size(), 0);
     std::vector<int> ends;  // hinge of every chain end
@@ -286,10 +317,9 @@ class Assigner {
         distance[i][i - 1] = closed_cost + closed_distance(hinges_[ends[i]].vertex, chains);
         continue;
       }
-      const Tree tree = dijkstra(hinges_[ends[i]].vertex, reachable(ends[i], targets, chains), {}, chains);
+      const Tree& tree = dijkstra(hinges_[ends[i]].vertex, reachable(ends[i], targets, chains), {}, chains);
       for (int j = 0; j < n; ++j) {
-        const auto at = tree.distance.find(hinges_[ends[j]].vertex);
-        if (ends[j] != ends[i] && at != tree.distance.end()) distance[i][j] = at->second;
+        if (ends[j] != ends[i]) distance[i][j] = tree.distance[hinges_[ends[j]].vertex];
       }
     }
     for (int i = 0; i < n; ++i)
@@ -337,8 +367,8 @@ class Assigner {
   std::vector<Index> route(Index a, Index b, const Usage& usage, const std::vector<int>& chains) {
     std::vector<Index> path;
     if (a != b) {
-      const Tree tree = dijkstra(a, {b}, usage, chains);
-      if (tree.from.count(b)) chain(surface_.F, tree, a, b, path);
+      const Tree& tree = dijkstra(a, {b}, usage, chains);
+      if (tree.from[b] >= 0) chain(surface_.F, tree, a, b, path);
       return path;
     }
     double best = kFar;
@@ -346,11 +376,10 @@ class Assigner {
       const Index u = half_edge_target(surface_.F, h);
       if (!legal(h, usage) || !legal_end(h, a, chains[hinge_at_[a]]) || !passable(u, usage, chains)) continue;
       Usage with = usage;
-      with.edge[edge_of(h)] += edge(h).least;  // not back the same way
-      const Tree tree = dijkstra(u, {a}, with, chains);
-      const auto at = tree.distance.find(a);
-      if (at == tree.distance.end() || at->second + cost(h) >= best) continue;
-      best = at->second + cost(h);
+      with.edge[edge_of(h)] += least(h);  // not back the same way
+      const Tree& tree = dijkstra(u, {a}, with, chains);
+      if (tree.from[a] < 0 || tree.distance[a] + cost(h) >= best) continue;
+      best = tree.distance[a] + cost(h);
       path.assign(1, h);
       chain(surface_.F, tree, u, a, path);
     }
@@ -366,7 +395,6 @@ class Assigner {
   // Targets that a chain from hinge i could reach at all: found by flooding legal edges once per region.
   std::set<Index> reachable(int i, const std::set<Index>& targets, const std::vector<int>& chains) {
     std::set<Index> out;
-    std::vector<Index> stack;
     std::set<Index> regions;
     const Usage none;
     const auto look = [&](Index v) {
@@ -386,8 +414,7 @@ class Assigner {
     return out;
   }
   Index region(Index v, const std::set<Index>& targets, const std::vector<int>& chains) {
-    const auto known = region_of_.find(v);
-    if (known != region_of_.end()) return known->second;
+    if (region_of_[v] >= 0) return region_of_[v];
     const Index r = static_cast<Index>(region_targets_.size());
     region_targets_.emplace_back();
     const Usage none;
@@ -397,15 +424,15 @@ class Assigner {
       const Index u = stack.back();
       stack.pop_back();
       if (targets.count(u)) region_targets_[r].insert(u);
-      for (const Index h : half_edges_around(topology_, u)) {
-        if (!legal(h, none)) continue;
+      around(u, [&](Index h) {
+        if (!legal(h, none)) return;
         const Index w = half_edge_target(surface_.F, h);
         if (hinge_at_[w] >= 0) {
           if (targets.count(w)) region_targets_[r].insert(w);
-          if (!passable(w, none, chains)) continue;
+          if (!passable(w, none, chains)) return;
         }
-        if (region_of_.emplace(w, r).second) stack.push_back(w);
-      }
+        if (region_of_[w] < 0) region_of_[w] = r, stack.push_back(w);
+      });
     }
     return r;
   }
@@ -494,7 +521,7 @@ class Assigner {
     WoundEdges out;
     for (const auto& [e, k] : usage.edge) {
       const Index a = half_edge_source(surface_.F, e), b = half_edge_target(surface_.F, e);
-      out.edges.push_back({std::min(a, b), std::max(a, b), k, edge(e).pierced});
+      out.edges.push_back({std::min(a, b), std::max(a, b), k, is_pierced_[e] != 0});
     }
     std::sort(out.edges.begin(), out.edges.end(),
               [](const WoundEdge& x, const WoundEdge& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; });
@@ -541,9 +568,12 @@ class Assigner {
   std::unordered_map<Index, const std::vector<Index>*> pierced_;
   std::vector<Index> hinge_at_;
   std::vector<Index> patch_;
-  std::unordered_map<Index, int> layers_;
+  static constexpr int kUnknown = std::numeric_limits<int>::min();
+  std::vector<int> layers_;  // by root
   std::unordered_map<Index, Edge> edges_;
-  std::unordered_map<Index, Index> region_of_;
+  std::vector<char> is_pierced_;  // by smaller half-edge
+  std::vector<Index> region_of_;
+  Tree tree_;
   std::vector<std::set<Index>> region_targets_;
   double mean_length_ = 1;
 };
