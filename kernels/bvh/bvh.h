@@ -48,6 +48,19 @@ class TriangleBvh {
 
   Index faces() const { return static_cast<Index>(face_.size()); }
 
+  // The largest coordinate in absolute value, rounded up; 0 without faces, infinity beyond floats.
+  double reach() const {
+    if (nodes_.empty()) return 0;
+    double out = 0;
+    for (int k = 0; k < 3; ++k) {
+      const double lo = nodes_[0].lo[k] < 0 ? -nodes_[0].lo[k] : nodes_[0].lo[k];
+      const double hi = nodes_[0].hi[k] < 0 ? -nodes_[0].hi[k] : nodes_[0].hi[k];
+      out = lo > out ? lo : out;
+      out = hi > out ? hi : out;
+    }
+    return out;
+  }
+
   // The sum of the areas of inner boxes over that of the root. Rebuild when a refit made it much larger
   // than after build.
   double cost() const;

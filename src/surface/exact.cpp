@@ -82,7 +82,7 @@ double scatter(int k) {
 }
 
 Rays::Rays(const VertexMatrix& V, const TriangleMatrix& F, const TriangleBvh& bvh) : V_(V), F_(F), bvh_(bvh) {
-  scale_ = V.size() == 0 ? 1 : V.cwiseAbs().maxCoeff();
+  scale_ = bvh.reach();
   // Outside these limits products of three coordinates leave the range of doubles: everything is then
   // decided in rational numbers.
   filter_ = scale_ < 1e90 && scale_ > 1e-60;
