@@ -179,6 +179,25 @@ int Rays::passes(const Point& m, const Point& d, Index f) const {
   return std::abs(s) >= kGrazes ? kGrazes : s;
 }
 
+double Rays::height(const Point& m, Index f, double& error) const {
+  const double *a = corner(f, 0), *b = corner(f, 1), *c = corner(f, 2);
+  Near u, v, w;
+  for (int k = 0; k < 3; ++k) u[k] = b[k] - a[k], v[k] = c[k] - a[k], w[k] = m.near[k] - a[k];
+  const double S = std::max(scale_, largest(m.near)), M = std::max(std::max(largest(u), largest(v)), largest(w));
+  error = filter_ ? M * M * (1e-14 * M + 1e-14 * S) + 1e-290 : HUGE_VAL;
+  return det(u, v, w);
+}
+
+int Rays::side(const Point& m, Index f) const {
+  double error;
+  const double value = height(m, f, error);
+  if (std::fabs(value) > error) return value > 0 ? 1 : -1;
+  const double* corners[3] = {corner(f, 0), corner(f, 1), corner(f, 2)};
+  Whole p[3];
+  seen_from(Homogeneous(m.x), corners, p);
+  return -det_sign(p[0], p[1], p[2]);  // det(a - m, b - m, c - m) > 0 when m is behind
+}
+
 RayCount Rays::count(const Point& m, const Point& d, const Point* tilt, const std::vector<Index>& skip,
                      bool want_nearest) const {
   RayCount out;

@@ -73,6 +73,11 @@ class Rays {
   static constexpr int kGrazes = 2;
   int passes(const Point& m, const Point& d, Index f) const;
 
+  // The height of m over face f's plane, times twice f's area: in doubles, wrong by `error` at most
+  // (infinity outside the range of the filter); and its sign, exact: 1 in front of the face.
+  double height(const Point& m, Index f, double& error) const;
+  int side(const Point& m, Index f) const;
+
   // The winding number of m, or none when m lies on the surface.
   std::optional<int> winding(const Point& m) const;
 

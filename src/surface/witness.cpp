@@ -38,6 +38,14 @@ struct PairFinding {
   }
 };
 
+// Where a third face crosses a pair's segment.
+struct Cut {
+  Index face = -1;
+  int step = 0;  // how the winding number changes there, on the way along the segment
+  double near = 0, error = 0;  // the place on the segment, 0 to 1
+  std::optional<Rational> exact;
+};
+
 // The faces that intersect each face, from the sorted pairs.
 class Partners {
  public:
@@ -138,52 +146,79 @@ class PairStudy {
               bool regular, PairFinding& out) const {
     const Vec along = to - from;
     const Point start(from), direction(along);
-    struct Cut {
-      Rational at;
-      int step;  // how the winding number changes there, on the way from `from` to `to`
-    };
+    const Point end(to);
     std::vector<Cut> cuts;
     for (const Index h : partners_.common(f, g)) {
+      const int sa = rays_.side(start, h), sb = rays_.side(end, h);
+      if (sa * sb > 0 || (sa == 0) != (sb == 0)) continue;
       const int passes = rays_.passes(start, direction, h);
       if (passes == 0) continue;
-      const Vec o = corner(h, 0), n = rays_.normal(h);
-      const Rational a = dot(n, from - o), b = dot(n, to - o);
-      const int sa = exact::sign(a), sb = exact::sign(b);
       if (sa * sb < 0) {
-        cuts.push_back({a / (a - b), -passes});
+        Cut cut;
+        cut.face = h;
+        cut.step = -passes;
+        double error_a, error_b;
+        const double a = rays_.height(start, h, error_a), b = rays_.height(end, h, error_b);
+        const double span = std::fabs(a - b) - error_a - error_b;
+        cut.near = a / (a - b);
+        cut.error = span > 0 ? 3 * (error_a + error_b) / span + 1e-15 : HUGE_VAL;
+        cuts.push_back(std::move(cut));
         if (passes == Rays::kGrazes) regular = false;
-      } else if (sa == 0 && sb == 0) {
+      } else {
         // The segment runs in the plane of h: cut it at h's edges.
         regular = false;
+        const Vec n = rays_.normal(h);
         for (int k = 0; k < 3; ++k) {
           const Vec wall = exact::cross(n, corner(h, k + 1) - corner(h, k));
           const Rational x = dot(wall, from - corner(h, k)), y = dot(wall, to - corner(h, k));
-          if (exact::sign(x) * exact::sign(y) < 0) cuts.push_back({x / (x - y), 0});
+          if (exact::sign(x) * exact::sign(y) >= 0) continue;
+          Cut cut;
+          cut.exact = x / (x - y);
+          cut.near = cut.exact->get_d();
+          cut.error = 1e-15;
+          cuts.push_back(std::move(cut));
         }
       }
     }
-    std::sort(cuts.begin(), cuts.end(), [](const Cut& x, const Cut& y) { return x.at < y.at; });
-    std::vector<Rational> place{0};
-    std::vector<int> level{0};  // of each piece, relative to the first
-    for (const Cut& cut : cuts) {
-      if (cut.at == place.back()) {
-        level.back() += cut.step;
+    const auto at = [&](Cut& cut) -> const Rational& {
+      if (!cut.exact) {
+        const Vec o = corner(cut.face, 0), n = rays_.normal(cut.face);
+        const Rational a = dot(n, from - o), b = dot(n, to - o);
+        cut.exact = a / (a - b);
+      }
+      return *cut.exact;
+    };
+    // The order of exact arithmetic; the doubles decide wherever they are far enough apart.
+    const auto compare = [&](Cut& x, Cut& y) {
+      const double gap = x.near - y.near;
+      if (std::fabs(gap) > x.error + y.error) return gap < 0 ? -1 : 1;
+      return cmp(at(x), at(y));
+    };
+    std::vector<Cut*> order;
+    for (Cut& cut : cuts) order.push_back(&cut);
+    std::sort(order.begin(), order.end(), [&](Cut* x, Cut* y) { return compare(*x, *y) < 0; });
+    std::vector<Cut*> place;      // where pieces 1, 2, ... begin
+    std::vector<int> level{0};    // of each piece, relative to the first
+    for (Cut* cut : order) {
+      if (!place.empty() && compare(*place.back(), *cut) == 0) {
+        level.back() += cut->step;
         continue;
       }
-      place.push_back(cut.at);
-      level.push_back(level.back() + cut.step);
+      place.push_back(cut);
+      level.push_back(level.back() + cut->step);
     }
-    place.push_back(1);
+    const auto begins = [&](int i) { return i == 0 ? Rational(0) : at(*place[i - 1]); };
+    const auto ends = [&](int i) { return i == static_cast<int>(place.size()) ? Rational(1) : at(*place[i]); };
     const int n = static_cast<int>(level.size());
     if (regular) {
       // One ray, on the lowest piece; the others follow from it.
       const int lowest = static_cast<int>(std::min_element(level.begin(), level.end()) - level.begin());
-      if (front_wedge(f, g, nf, ng, u, from, along, place[lowest], place[lowest + 1], out)) {
+      if (front_wedge(f, g, nf, ng, u, from, along, begins(lowest), ends(lowest), out)) {
         out.max += *std::max_element(level.begin(), level.end()) - level[lowest];
         return;
       }
     }
-    for (int i = 0; i < n; ++i) all_wedges(u, Point(from + ((place[i] + place[i + 1]) / 2) * along), out);
+    for (int i = 0; i < n; ++i) all_wedges(u, Point(from + ((begins(i) + ends(i)) / 2) * along), out);
   }
 
   static Rational inverse_length(const Vec& x) {
