@@ -8,9 +8,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <iterator>
 #include <map>
-#include <cmath>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -23,8 +23,9 @@ namespace overtet {
 namespace {
 
 // Rounding new points to doubles can make pieces cross that did not, where exact points are closer than
-// doubles can tell. Then the pieces are cut again, with added points on a grid (iterated snap rounding). A grid
-// is kept for some rounds, since points on it no longer move; if that does not end, a coarser one is tried.
+// doubles can tell. Then the pieces are cut again, with added points on a grid (iterated snap rounding). A
+// grid is kept for some rounds, since points on it no longer move; if that does not end, a coarser one is
+// tried.
 constexpr int kGrids[] = {-44, -40, -36, -32};  // powers of two, relative to the largest coordinate
 constexpr int kRoundsPerGrid = 6;
 constexpr int kMostRounds = 1 + kRoundsPerGrid * static_cast<int>(std::size(kGrids));
@@ -40,7 +41,8 @@ struct VertexInfo {
 using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<VertexInfo, Kernel>;
 using FaceBase = CGAL::Constrained_triangulation_face_base_2<Kernel>;
 using Structure = CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>;
-using Triangulation = CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure, CGAL::Exact_intersections_tag>;
+using Triangulation =
+    CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure, CGAL::Exact_intersections_tag>;
 
 // Numbers exact points: equal points get equal numbers, whichever faces they were computed from.
 class PointTable {
@@ -55,7 +57,9 @@ class PointTable {
 
  private:
   struct Less {
-    bool operator()(const Point3& a, const Point3& b) const { return CGAL::compare_xyz(a, b) == CGAL::SMALLER; }
+    bool operator()(const Point3& a, const Point3& b) const {
+      return CGAL::compare_xyz(a, b) == CGAL::SMALLER;
+    }
   };
   std::map<Point3, Index, Less> number_;
   std::vector<Point3> points_;
@@ -78,7 +82,8 @@ struct Piece {
 // One round: cuts the pieces along all given pairs, exactly, and rounds the new points to doubles.
 class Cutter {
  public:
-  Cutter(std::vector<Eigen::Vector3d>& points, std::vector<Piece>& pieces) : points_(points), pieces_(pieces) {}
+  Cutter(std::vector<Eigen::Vector3d>& points, std::vector<Piece>& pieces)
+      : points_(points), pieces_(pieces) {}
 
   std::optional<Error> run(const std::vector<FacePair>& pairs, const RunContext& context) {
     // All corners before all cuts, so that a cut through a corner gets that corner's number.
@@ -235,8 +240,9 @@ class Arranger {
       crossing = intersections();
       if (crossing.empty()) return collect(round + 1);
       if (round + 1 == kMostRounds)
-        return Error{ErrorCode::unsolved, "Where the surface crosses itself, " + std::to_string(crossing.size()) +
-                                              " pairs of pieces are too close together for double precision."};
+        return Error{ErrorCode::unsolved,
+                     "Where the surface crosses itself, " + std::to_string(crossing.size()) +
+                         " pairs of pieces are too close together for double precision."};
     }
   }
 
@@ -268,12 +274,13 @@ class Arranger {
     input_positions_ = static_cast<Index>(points_.size());
     for (Index f = 0; f < static_cast<Index>(surface_.F.rows()); ++f) {
       const auto face = surface_.F.row(f);
-      pieces_.push_back({{input_number_[face[0]], input_number_[face[1]], input_number_[face[2]]}, {f, 1}, {}, false});
+      pieces_.push_back(
+          {{input_number_[face[0]], input_number_[face[1]], input_number_[face[2]]}, {f, 1}, {}, false});
     }
   }
 
-  // Moves the added points onto a grid, so that points closer than its step become one, and onto input positions
-  // in the same grid cell.
+  // Moves the added points onto a grid, so that points closer than its step become one, and onto input
+  // positions in the same grid cell.
   void snap(int round) {
     double largest = 0;
     for (const auto& p : points_) largest = std::max(largest, p.cwiseAbs().maxCoeff());
@@ -315,8 +322,7 @@ class Arranger {
       auto key = pieces_[i].corners;
       std::sort(key.begin(), key.end());
       if (key[0] == key[1] || key[1] == key[2]) continue;
-      if (pieces_[i].cut &&
-          collinear(points_[key[0]].data(), points_[key[1]].data(), points_[key[2]].data()))
+      if (pieces_[i].cut && collinear(points_[key[0]].data(), points_[key[1]].data(), points_[key[2]].data()))
         continue;
       entries.push_back({key, i});
     }
@@ -401,7 +407,8 @@ class Arranger {
     out.vertex_of_input = input_number_;
     out.input_positions = input_positions_;
     std::sort(cut_faces_.begin(), cut_faces_.end());
-    out.cut_faces = static_cast<Index>(std::unique(cut_faces_.begin(), cut_faces_.end()) - cut_faces_.begin()) - 1;
+    out.cut_faces =
+        static_cast<Index>(std::unique(cut_faces_.begin(), cut_faces_.end()) - cut_faces_.begin()) - 1;
     // Points that snapping left unused are dropped.
     std::vector<Index> number(points_.size(), -1);
     for (Index v = 0; v < input_positions_; ++v) number[v] = v;

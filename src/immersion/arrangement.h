@@ -2,8 +2,8 @@
 // it, so that what comes out is a complex whose triangles meet in shared vertices and edges only.
 //
 // Cuts are computed in exact rational arithmetic; the points they add are then rounded to doubles. Where that
-// makes pieces cross or collapse, they are cut again, with the added points on a grid that grows from round to
-// round (iterated snap rounding), until an exact test finds the complex free of intersections. Input
+// makes pieces cross or collapse, they are cut again, with the added points on a grid that grows from round
+// to round (iterated snap rounding), until an exact test finds the complex free of intersections. Input
 // positions never move. Added points need not: they are taken off the boundary later (boundary_points.h),
 // so a face's pieces may leave its plane by the rounding.
 #pragma once
@@ -24,8 +24,8 @@ struct ArrangementSheet {
 };
 
 struct Arrangement {
-  VertexMatrix V;  // #X x 3; first the input's distinct positions, in order of appearance
-  TriangleMatrix F;  // #G x 3; no two alike
+  VertexMatrix V;                  // #X x 3; first the input's distinct positions, in order of appearance
+  TriangleMatrix F;                // #G x 3; no two alike
   std::vector<Index> sheet_begin;  // #G + 1; sheets of triangle g: [sheet_begin[g], sheet_begin[g + 1])
   std::vector<ArrangementSheet> sheets;  // more than one only where faces coincide
   std::vector<Index> vertex_of_input;    // #V; the arrangement's vertex at each input vertex

@@ -164,7 +164,8 @@ class Clearer {
     } else {
       std::size_t split = 1;
       while (face[split] == face[0]) ++split;
-      std::vector<Index> first(ring.begin(), ring.begin() + split + 1), second(ring.begin() + split, ring.end());
+      std::vector<Index> first(ring.begin(), ring.begin() + split + 1),
+          second(ring.begin() + split, ring.end());
       second.push_back(ring[0]);
       // The edge between the two parts becomes an edge of the boundary: no other edge may have its ends.
       if (complex_.has_edge(ring[0], ring[split]) && !split_edge(ring[0], ring[split])) return false;
@@ -200,7 +201,8 @@ class Clearer {
   // The boundary triangles around v have become the caps.
   void relabel(Index v, const std::vector<Index>& ring, const std::vector<Triple>& caps,
                const std::vector<Index>& cap_face) {
-    for (std::size_t i = 0; i < ring.size(); ++i) label_.erase(sorted({v, ring[i], ring[(i + 1) % ring.size()]}));
+    for (std::size_t i = 0; i < ring.size(); ++i)
+      label_.erase(sorted({v, ring[i], ring[(i + 1) % ring.size()]}));
     for (std::size_t i = 0; i < caps.size(); ++i) label_[sorted(caps[i])] = cap_face[i];
     ++result_.removed;
   }
@@ -233,8 +235,8 @@ class Clearer {
   }
   double wedge_angle(Index v, Index p) { return wedge(v, p).angle.back(); }
 
-  // A way through the link of v from p to n, in the half-plane at `angle` around the axis v-p, along edges of the
-  // complex, which are halved where the plane crosses them. Empty where it cannot be had.
+  // A way through the link of v from p to n, in the half-plane at `angle` around the axis v-p, along edges of
+  // the complex, which are halved where the plane crosses them. Empty where it cannot be had.
   std::vector<Index> slit(Index v, Index p, Index n, double angle) {
     const Wedge fan = wedge(v, p);
     const Vector3d normal = fan.direction(angle + M_PI / 2), x = complex_.position(v);
@@ -276,10 +278,11 @@ class Clearer {
     return path;
   }
 
-  // As the single move, for an edge p-n whose tets make almost a full turn or more (wound edges): no single point
-  // sees both faces. The star of v is slit along half-planes through the edge, into sectors of less than a half
-  // turn around each of several points, which take the place of v and are joined around the edge.
-  bool clear_wide(Index v, Index p, Index n, double total, const std::vector<Triple>& caps, std::size_t first_caps) {
+  // As the single move, for an edge p-n whose tets make almost a full turn or more (wound edges): no single
+  // point sees both faces. The star of v is slit along half-planes through the edge, into sectors of less
+  // than a half turn around each of several points, which take the place of v and are joined around the edge.
+  bool clear_wide(Index v, Index p, Index n, double total, const std::vector<Triple>& caps,
+                  std::size_t first_caps) {
     const int points = std::max(2, static_cast<int>(total / M_PI));
     const auto angle_of = [&](double j) { return total * j / (points + 1); };  // j = 1 .. points
     std::vector<std::vector<Index>> slits;
@@ -356,7 +359,8 @@ class Clearer {
     for (std::size_t i = 0; i < caps.size(); ++i)
       tets.push_back({caps[i][0], caps[i][2], caps[i][1], i < first_caps ? point.back() : point.front()});
     for (double step = 0.25 * reach; step > 1e-15 * reach; step *= 0.5) {
-      for (int j = 0; j < points; ++j) complex_.move(point[j], origin + step * fan.direction(angle_of(j + 1)));
+      for (int j = 0; j < points; ++j)
+        complex_.move(point[j], origin + step * fan.direction(angle_of(j + 1)));
       const bool fits = std::all_of(tets.begin(), tets.end(), [&](const TetComplex::Tet& t) {
         return orient3d(at(t[0]), at(t[1]), at(t[2]), at(t[3])) > 0;
       });
@@ -438,7 +442,8 @@ class Clearer {
         const std::size_t j = i + length;
         if (!allowed[i * n + j]) continue;
         for (std::size_t k = i + 1; k < j; ++k) {
-          const double worst = std::min({best[i * n + k], best[k * n + j], quality(polygon[i], polygon[k], polygon[j])});
+          const double worst =
+              std::min({best[i * n + k], best[k * n + j], quality(polygon[i], polygon[k], polygon[j])});
           if (worst > best[i * n + j]) best[i * n + j] = worst, apex[i * n + j] = k;
         }
       }
@@ -457,9 +462,8 @@ class Clearer {
   }
 
   bool positive(const std::vector<Triple>& sides, const Vector3d& x) const {
-    return std::all_of(sides.begin(), sides.end(), [&](const Triple& s) {
-      return orient3d(at(s[0]), at(s[1]), at(s[2]), x.data()) > 0;
-    });
+    return std::all_of(sides.begin(), sides.end(),
+                       [&](const Triple& s) { return orient3d(at(s[0]), at(s[1]), at(s[2]), x.data()) > 0; });
   }
 
   // A point well inside all half-spaces, close to the centre of the largest ball in them, which must have a
@@ -468,7 +472,8 @@ class Clearer {
     std::vector<HalfSpace> spaces;
     for (const Triple& s : sides) {
       HalfSpace h;
-      if (!half_space(complex_.position(s[0]), complex_.position(s[1]), complex_.position(s[2]), h)) return false;
+      if (!half_space(complex_.position(s[0]), complex_.position(s[1]), complex_.position(s[2]), h))
+        return false;
       spaces.push_back(h);
     }
     const auto clearance = [&](const Vector3d& x) {

@@ -21,9 +21,9 @@ namespace overtet {
 
 struct BoundaryPointsResult {
   Index removed = 0;
-  Index refined_edges = 0;         // edges halved to make room
-  std::vector<Index> left;         // vertices that could not be taken off the boundary
-  double smallest_clearance = 0;   // least distance to a face of the star after a move, over all moves
+  Index refined_edges = 0;        // edges halved to make room
+  std::vector<Index> left;        // vertices that could not be taken off the boundary
+  double smallest_clearance = 0;  // least distance to a face of the star after a move, over all moves
 };
 
 // boundary, face: the boundary triangles of the complex, outward, and the input face each lies on.

@@ -19,7 +19,8 @@ struct Copies {
 
 class Builder {
  public:
-  Builder(const Surface& surface, const Arrangement& arrangement, const TetgenResult& tets, const Sheets& sheets)
+  Builder(const Surface& surface, const Arrangement& arrangement, const TetgenResult& tets,
+          const Sheets& sheets)
       : surface_(surface), arrangement_(arrangement), tets_(tets), sheets_(sheets) {}
 
   Result<Cover> run() {
@@ -92,7 +93,8 @@ class Builder {
             if (arrangement_.vertex_of_input[v] != copies_.tet[c][j]) continue;
             Index& at = number[find(static_cast<Index>(4 * c + j))];
             if (at >= 0 && at != v)
-              return Error{ErrorCode::unsolved, "Vertices " + std::to_string(at) + " and " + std::to_string(v) +
+              return Error{ErrorCode::unsolved, "Vertices " + std::to_string(at) + " and " +
+                                                    std::to_string(v) +
                                                     " touch, and the solid found would join them."};
             at = v;
             seen[v] = 1;
@@ -186,14 +188,15 @@ class Builder {
     while (!tets.empty()) {
       bool closed;
       ring(tets[0], a, b, around, closed);
-      std::erase_if(tets, [&](Index c) { return std::find(around.begin(), around.end(), c) != around.end(); });
+      std::erase_if(tets,
+                    [&](Index c) { return std::find(around.begin(), around.end(), c) != around.end(); });
       found.push_back({around, closed});
     }
     if (found.size() == 1) return std::nullopt;
     const auto open = std::count_if(found.begin(), found.end(), [](const Found& f) { return !f.closed; });
     if (open > 1)
-      return Error{ErrorCode::unsolved, "Two edges of the surface between vertices " + std::to_string(a) + " and " +
-                                            std::to_string(b) + " coincide."};
+      return Error{ErrorCode::unsolved, "Two edges of the surface between vertices " + std::to_string(a) +
+                                            " and " + std::to_string(b) + " coincide."};
     bool keep = open == 0;  // keep the boundary edge, else the first one
     for (const Found& f : found) {
       if (!f.closed) continue;
@@ -207,7 +210,8 @@ class Builder {
     return std::nullopt;
   }
 
-  // Splits a closed edge at its middle; each tet becomes a lower half (keeps its number and a) and an upper one.
+  // Splits a closed edge at its middle; each tet becomes a lower half (keeps its number and a) and an upper
+  // one.
   void halve(const std::vector<Index>& tets, Index a, Index b) {
     const Index m = static_cast<Index>(position_.size());
     position_.push_back(0.5 * (position_[a] + position_[b]));
@@ -262,7 +266,7 @@ class Builder {
   const Arrangement& arrangement_;
   const TetgenResult& tets_;
   const Sheets& sheets_;
-  std::vector<Index> first_;     // the first copy of each tet
+  std::vector<Index> first_;  // the first copy of each tet
   Copies copies_;
   std::vector<Eigen::Vector3d> position_;
   Index split_ = 0;

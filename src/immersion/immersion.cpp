@@ -56,7 +56,7 @@ Result<ImmersionResult> immerse(const Surface& surface, const std::vector<std::p
   tetgen.quality = options.radius_edge > 0;
   tetgen.radius_edge = options.radius_edge;
   tetgen.accept_split = true;  // added points leave the boundary like those of the arrangement
-  Result<TetgenResult> tets = tetrahedralize(plc, tetgen, context);
+  Result<TetgenResult> tets = tetrahedralize_stubbornly(plc, tetgen, context);
   if (!tets) return tets.error();
   out.tet_mesh_seconds = watch.lap();
 
@@ -84,11 +84,11 @@ Result<ImmersionResult> immerse(const Surface& surface, const std::vector<std::p
   if (auto stop = context.stop()) return *stop;
   if (!cleared.left.empty()) {
     const Eigen::Vector3d p = complex.position(cleared.left[0]);
-    return Error{ErrorCode::unsolved, std::to_string(cleared.left.size()) +
-                                          " points where the surface crosses itself could not be moved inside, the "
-                                          "first near (" +
-                                          std::to_string(p[0]) + ", " + std::to_string(p[1]) + ", " +
-                                          std::to_string(p[2]) + ")."};
+    return Error{ErrorCode::unsolved,
+                 std::to_string(cleared.left.size()) +
+                     " points where the surface crosses itself could not be moved inside, the "
+                     "first near (" +
+                     std::to_string(p[0]) + ", " + std::to_string(p[1]) + ", " + std::to_string(p[2]) + ")."};
   }
   complex.compact(static_cast<Index>(surface.V.rows()));
   out.mesh = complex.to_mesh(static_cast<Index>(surface.V.rows()));

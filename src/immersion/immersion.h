@@ -8,9 +8,9 @@
 //   5. boundary points: the points that cutting added are moved inside, so the boundary is the input again.
 //
 // The result is exactly positive by construction. Hinges need no special treatment: the sheets
-// know them. Where the paper's way (flows and a volumetric map, Sacht et al. 2013, sections 3 and 4) has to find
-// the overlap by optimisation, and locks, here it is read off the winding numbers; the price is a
-// finer mesh along the intersection curves.
+// know them. Where the paper's way (flows and a volumetric map, Sacht et al. 2013, sections 3 and 4) has to
+// find the overlap by optimisation, and locks, here it is read off the winding numbers; the price is a finer
+// mesh along the intersection curves.
 #pragma once
 
 #include <span>
@@ -32,13 +32,13 @@ struct ImmersionOptions {
 };
 
 struct ImmersionResult {
-  TetMesh mesh;           // boundary = the input surface
+  TetMesh mesh;  // boundary = the input surface
   Arrangement arrangement;
-  TetMesh cover;          // before the boundary points were moved inside
+  TetMesh cover;  // before the boundary points were moved inside
   Index cells = 0, regions = 0, constraints = 0;
   Index winding_max = 0;
   std::int64_t search_nodes = 0;
-  Index boundary_points = 0;    // moved inside
+  Index boundary_points = 0;  // moved inside
   Index refined_edges = 0;
   double smallest_clearance = 0;
   double arrangement_seconds = 0, tet_mesh_seconds = 0, sheets_seconds = 0, boundary_seconds = 0;

@@ -1,5 +1,5 @@
-#include <cstdio>
 #include "src/immersion/sheets.h"
+#include <cstdio>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -71,7 +71,8 @@ struct Option {
 bool enumerate_options(const Region& region, std::vector<Option>& out) {
   const int front = region.front_winding, back = region.back_winding;
   std::vector<int> plus, minus;
-  for (int s = 0; s < static_cast<int>(region.signs.size()); ++s) (region.signs[s] > 0 ? plus : minus).push_back(s);
+  for (int s = 0; s < static_cast<int>(region.signs.size()); ++s)
+    (region.signs[s] > 0 ? plus : minus).push_back(s);
   const int matched = back - static_cast<int>(plus.size());
   if (matched < 0 || matched != front - static_cast<int>(minus.size())) return true;
   Option option{std::vector<int>(front, -100), std::vector<int>(back, -100)};
@@ -143,7 +144,8 @@ struct Fan {
     auto operator<=>(const Pass&) const = default;
   };
   std::vector<Leaf> leaves;
-  std::vector<std::array<int, 2>> arc;  // per leaf and side (0 front, 1 back): 2 * leaf + side it faces, or -1
+  std::vector<std::array<int, 2>>
+      arc;  // per leaf and side (0 front, 1 back): 2 * leaf + side it faces, or -1
   std::vector<Pass> passes;
   auto operator<=>(const Fan&) const = default;
 };
@@ -473,8 +475,8 @@ class Assigner {
     for (Index c = 0; c < cells_; ++c) {
       out_.winding[c] = known[c];
       if (known[c] < 0 && known[c] != kUnknown)
-        return Error{ErrorCode::infeasible, "The surface has a region of negative winding number " +
-                                                std::to_string(known[c]) + "."};
+        return Error{ErrorCode::infeasible,
+                     "The surface has a region of negative winding number " + std::to_string(known[c]) + "."};
       if (known[c] == kUnknown)
         return Error{ErrorCode::unsolved, "The arrangement has a cell that no face bounds."};
     }
@@ -502,7 +504,8 @@ class Assigner {
     });
     struct Link {
       Index facet = -1;
-      std::vector<Index> sheet_here;  // per sheet of the facet beyond: the sheet here; empty: one to one, single
+      std::vector<Index>
+          sheet_here;  // per sheet of the facet beyond: the sheet here; empty: one to one, single
     };
     std::vector<std::array<Index, 3>> link(m, {-1, -1, -1});
     std::map<std::pair<Index, int>, std::vector<Index>> link_sheets;  // only where there are several
@@ -600,7 +603,8 @@ class Assigner {
   }
 
   double distance_to_edge(Index vertex, std::pair<Index, Index> edge) const {
-    const Eigen::Vector3d a = surface_.V.row(edge.first), b = surface_.V.row(edge.second), p = tets_.V.row(vertex);
+    const Eigen::Vector3d a = surface_.V.row(edge.first), b = surface_.V.row(edge.second),
+                          p = tets_.V.row(vertex);
     const Eigen::Vector3d d = (b - a).normalized();
     return (p - a - d * d.dot(p - a)).norm();
   }
@@ -619,7 +623,8 @@ class Assigner {
     std::vector<int> partner(entries.size(), -1), turns(entries.size(), 0);
     for (std::size_t i = 0; i < entries.size(); ++i)
       for (std::size_t j = i + 1; j < entries.size(); ++j)
-        if (entries[i].face == entries[j].face) partner[i] = static_cast<int>(j), partner[j] = static_cast<int>(i);
+        if (entries[i].face == entries[j].face)
+          partner[i] = static_cast<int>(j), partner[j] = static_cast<int>(i);
     for (std::size_t i = 0; i < entries.size(); ++i) {
       if (partner[i] >= 0) continue;
       double best = std::numeric_limits<double>::infinity();
@@ -660,7 +665,8 @@ class Assigner {
       if (f.slots < 0)
         leaf.slots = {0};
       else
-        leaf.slots.assign(out_.slot_map.begin() + f.slots, out_.slot_map.begin() + f.slots + sheet_count(group[i].facet));
+        leaf.slots.assign(out_.slot_map.begin() + f.slots,
+                          out_.slot_map.begin() + f.slots + sheet_count(group[i].facet));
       fan.leaves.push_back(std::move(leaf));
       for (int side = 0; side < 2; ++side) {
         const Index start = side == 0 ? f.front : f.back;
@@ -687,7 +693,8 @@ class Assigner {
       const Index next = tets_.neighbours(tet, to);
       // In the next tet the corner opposite to the shared face is the one that this tet does not have.
       int corner = 0;
-      while (tets_.T(next, corner) == p || tets_.T(next, corner) == q || tets_.T(next, corner) == tets_.T(tet, from))
+      while (tets_.T(next, corner) == p || tets_.T(next, corner) == q ||
+             tets_.T(next, corner) == tets_.T(tet, from))
         ++corner;
       from = corner;
       tet = next;
@@ -699,7 +706,8 @@ class Assigner {
     options_.resize(n);
     for (Index r = 0; r < n; ++r)
       if (!enumerate_options(out_.regions[r], options_[r]) || options_[r].empty())
-        return Error{ErrorCode::unsolved, "A region's winding numbers leave too many ways to glue its sheets."};
+        return Error{ErrorCode::unsolved,
+                     "A region's winding numbers leave too many ways to glue its sheets."};
     fix_labels();
     chosen_.assign(n, nullptr);
     for (Index r = 0; r < n; ++r)
@@ -745,9 +753,19 @@ class Assigner {
   }
 
   Error no_gluing(Index fan) const {
-    if(fan>=0){const Fan&F=fans_[fan];fprintf(stderr,"fan leaves %zu\n",F.leaves.size());
-      for(size_t i=0;i<F.leaves.size();++i){const auto&r=out_.regions[F.leaves[i].region];fprintf(stderr," leaf %zu region %d flip %d wf %d wb %d slots %zu opts %zu arc %d %d chosen %d\n",i,F.leaves[i].region,F.leaves[i].flipped,r.front_winding,r.back_winding,F.leaves[i].slots.size(),options_[F.leaves[i].region].size(),F.arc[i][0],F.arc[i][1],chosen_[F.leaves[i].region]!=nullptr);}
-      for(auto&p:F.passes)fprintf(stderr," pass %d.%d -> %d.%d turns %d\n",p.from,p.from_sheet,p.to,p.to_sheet,p.turns);}
+    if (fan >= 0) {
+      const Fan& F = fans_[fan];
+      fprintf(stderr, "fan leaves %zu\n", F.leaves.size());
+      for (size_t i = 0; i < F.leaves.size(); ++i) {
+        const auto& r = out_.regions[F.leaves[i].region];
+        fprintf(stderr, " leaf %zu region %d flip %d wf %d wb %d slots %zu opts %zu arc %d %d chosen %d\n", i,
+                F.leaves[i].region, F.leaves[i].flipped, r.front_winding, r.back_winding,
+                F.leaves[i].slots.size(), options_[F.leaves[i].region].size(), F.arc[i][0], F.arc[i][1],
+                chosen_[F.leaves[i].region] != nullptr);
+      }
+      for (auto& p : F.passes)
+        fprintf(stderr, " pass %d.%d -> %d.%d turns %d\n", p.from, p.from_sheet, p.to, p.to_sheet, p.turns);
+    }
     return Error{ErrorCode::unsolved,
                  "The sheets of the solid cannot be glued without a branch line" +
                      (fan < 0 ? std::string(".") : " near " + place(fan_place_[fan]) + ".")};
@@ -762,7 +780,8 @@ class Assigner {
     }
     std::vector<Index> order(cells_);
     std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return out_.winding[a] < out_.winding[b]; });
+    std::stable_sort(order.begin(), order.end(),
+                     [&](Index a, Index b) { return out_.winding[a] < out_.winding[b]; });
     std::vector<char> fixed(cells_, 0);
     std::vector<Index> queue;
     for (const Index c : order)
@@ -846,7 +865,8 @@ class Assigner {
         if (level.next < level.options.size()) {
           chosen_[level.region] = &options_[level.region][level.options[level.next++]];
           spoil(level.region);
-          if (++out_.search_nodes > kMostSearchNodes || (out_.search_nodes % 256 == 0 && context_.stop())) return false;
+          if (++out_.search_nodes > kMostSearchNodes || (out_.search_nodes % 256 == 0 && context_.stop()))
+            return false;
           break;
         }
         stale[at[level.region]] = 1;

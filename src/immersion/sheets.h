@@ -33,30 +33,30 @@ namespace overtet {
 // A tet mesh triangle that lies on the arrangement. Its front is the side that the normal of its
 // arrangement triangle points to.
 struct Facet {
-  Index triangle = -1;             // of the arrangement; -1: a cut through a cell with a handle, no sheet
-  Index front = -1, back = -1;     // tets; -1: outside everything
+  Index triangle = -1;          // of the arrangement; -1: a cut through a cell with a handle, no sheet
+  Index front = -1, back = -1;  // tets; -1: outside everything
   Index region = -1;
-  bool flipped = false;            // the region's front is this facet's back
-  Index slots = -1;                // where coincident faces make several sheets: begin in Sheets::slot_map
+  bool flipped = false;  // the region's front is this facet's back
+  Index slots = -1;      // where coincident faces make several sheets: begin in Sheets::slot_map
 };
 
 // A set of connected facets with one gluing.
 struct Region {
   Index front_winding = 0, back_winding = 0;
-  std::vector<int> signs;          // per slot (sheet): +1 where the sheet's inside is the back
-  std::vector<int> back_of;        // per front copy: its back copy, or -1 - slot where it ends
-  std::vector<int> front_of;       // per back copy: its front copy, or -1 - slot where it ends
+  std::vector<int> signs;     // per slot (sheet): +1 where the sheet's inside is the back
+  std::vector<int> back_of;   // per front copy: its back copy, or -1 - slot where it ends
+  std::vector<int> front_of;  // per back copy: its front copy, or -1 - slot where it ends
 };
 
 struct Sheets {
-  std::vector<Index> cell;         // #T: the cell of each tet
-  std::vector<Index> winding;      // #cells, >= 0
+  std::vector<Index> cell;                     // #T: the cell of each tet
+  std::vector<Index> winding;                  // #cells, >= 0
   std::vector<std::array<Index, 4>> facet_on;  // #T: the facet on the face opposite to each corner, or -1
   std::vector<Facet> facets;
   std::vector<Region> regions;
-  std::vector<Index> slot_map;     // region slot of each sheet of a facet with several
-  Index cuts = 0;                  // faces inside cells that had to be cut to make them simply connected
-  Index constraints = 0;           // distinct kinds of edges that had to be satisfied
+  std::vector<Index> slot_map;  // region slot of each sheet of a facet with several
+  Index cuts = 0;               // faces inside cells that had to be cut to make them simply connected
+  Index constraints = 0;        // distinct kinds of edges that had to be satisfied
   std::int64_t search_nodes = 0;
 
   Index winding_of(Index tet) const { return tet < 0 ? 0 : winding[cell[tet]]; }

@@ -52,4 +52,10 @@ struct TetgenResult {
 // or lost something; the message says which), internal (the child program is missing).
 Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options, const RunContext& context);
 
+// The same, several times where TetGen fails: whether it finds its way through nearly degenerate facets depends on
+// the order in which it sees the points, so each attempt turns the axes and shuffles the points (always in
+// the same way). The geometry stays the same to the last bit, and so do the promises.
+Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptions& options,
+                                               const RunContext& context);
+
 }  // namespace overtet

@@ -1,0 +1,68 @@
+#include <algorithm>
+#include <numeric>
+#include <random>
+
+#include "src/tetgen/tetgen.h"
+
+namespace overtet {
+
+namespace {
+
+constexpr int kAttempts = 6;
+
+// Axes turned cyclically (which keeps orientations) by `turn`.
+VertexMatrix turned(const VertexMatrix& V, int turn) {
+  VertexMatrix out(V.rows(), 3);
+  for (int k = 0; k < 3; ++k) out.col(k) = V.col((k + turn) % 3);
+  return out;
+}
+
+Result<TetgenResult> attempt(const Plc& plc, const TetgenOptions& options, const RunContext& context,
+                             int number) {
+  const Index n = static_cast<Index>(plc.V.rows());
+  const int turn = number % 3;
+  std::vector<Index> place(n);  // where each point goes
+  std::iota(place.begin(), place.end(), 0);
+  if (number >= 3) {
+    std::mt19937 random(number);  // its sequence is fixed by the standard; std::shuffle's use of it is not
+    for (Index i = n - 1; i > 0; --i) std::swap(place[i], place[random() % (i + 1)]);
+  }
+  Plc moved = plc;
+  moved.holes = turned(plc.holes, turn);
+  const VertexMatrix V = turned(plc.V, turn);
+  for (Index i = 0; i < n; ++i) moved.V.row(place[i]) = V.row(i);
+  for (Index f = 0; f < moved.F.rows(); ++f)
+    for (int k = 0; k < 3; ++k) moved.F(f, k) = place[plc.F(f, k)];
+
+  Result<TetgenResult> result = tetrahedralize(moved, options, context);
+  if (!result) return result;
+  TetgenResult& out = result.value();
+  out.V = turned(out.V, (3 - turn) % 3);
+  const VertexMatrix sorted = out.V.topRows(n);
+  std::vector<Index> back(out.V.rows());
+  std::iota(back.begin(), back.end(), 0);
+  for (Index i = 0; i < n; ++i) {
+    out.V.row(i) = sorted.row(place[i]);
+    back[place[i]] = i;
+  }
+  for (Index t = 0; t < out.T.rows(); ++t)
+    for (int k = 0; k < 4; ++k) out.T(t, k) = back[out.T(t, k)];
+  for (Index f = 0; f < out.facets.rows(); ++f)
+    for (int k = 0; k < 3; ++k) out.facets(f, k) = back[out.facets(f, k)];
+  return result;
+}
+
+}  // namespace
+
+Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptions& options,
+                                               const RunContext& context) {
+  Result<TetgenResult> first = tetrahedralize(plc, options, context);
+  if (first.ok() || first.error().code != ErrorCode::unsolved) return first;
+  for (int number = 1; number < kAttempts; ++number) {
+    Result<TetgenResult> again = attempt(plc, options, context, number);
+    if (again.ok() || again.error().code != ErrorCode::unsolved) return again;
+  }
+  return first;
+}
+
+}  // namespace overtet
