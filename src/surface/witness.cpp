@@ -281,16 +281,20 @@ class PairStudy {
     const Vec axis = inverse_length(u) * u;
     for (std::size_t i = 0; i < borders.size(); ++i) {
       const Vec &x = borders[i], &y = borders[(i + 1) % borders.size()];
-      if (exact::sign(exact::det(u, x, y)) <= 0 && !(exact::sign(exact::det(u, x, y)) == 0 && borders.size() == 2))
-        continue;  // equal borders
+      // Every border comes with its opposite, so a wedge is half a turn at most.
+      const int turn = exact::sign(exact::det(u, x, y));
+      if (turn < 0 || (turn == 0 && exact::sign(dot(x, y)) > 0)) continue;  // equal borders
       for (int attempt = 0; attempt < kAttempts; ++attempt) {
         const double weight = 1 + 0.4 * exact::scatter(attempt);
-        Vec d = borders.size() == 2 ? exact::cross(axis, x) : x + Rational(weight) * y;
+        Vec d = turn == 0 ? exact::cross(axis, x) + Rational(weight - 1) * x : x + Rational(weight) * y;
         if (attempt > 0) d = d + Rational(0.3 * exact::scatter(attempt + 5)) * axis;
         // Doubles where the wedge is wide enough for them: short numbers are fast.
         const auto near = exact::approximate(d);
         const Vec rounded = exact::vec(near.data());
-        if (exact::sign(exact::det(u, x, rounded)) > 0 && exact::sign(exact::det(u, rounded, y)) > 0) d = rounded;
+        const bool inside = turn == 0 ? exact::sign(exact::det(u, x, rounded)) > 0
+                                      : exact::sign(exact::det(u, x, rounded)) > 0 &&
+                                            exact::sign(exact::det(u, rounded, y)) > 0;
+        if (inside) d = rounded;
         const RayCount ray = rays_.count(m, Point(d), nullptr, at);
         if (ray.status != RayStatus::counted) continue;
         if (!out.lowest || ray.winding < out.lowest->winding) out.lowest = Wedge{m.x, d, at, ray.winding};
@@ -303,6 +307,7 @@ class PairStudy {
   // Coplanar faces: the curve is the outline of their common part. All pieces of the edges of each face
   // inside the other one are looked at from all sides.
   void coplanar(Index f, Index g, PairFinding& out) const {
+    bool any = false;
     const auto edges = [&](Index x, Index y) {
       for (int k = 0; k < 3; ++k) {
         const Vec p = corner(x, k), e = corner(x, k + 1) - p;
@@ -344,11 +349,15 @@ class PairStudy {
         }
         std::sort(cuts.begin(), cuts.end());
         for (std::size_t i = 1; i < cuts.size(); ++i)
-          if (cuts[i - 1] < cuts[i]) all_wedges(e, Point(p + ((cuts[i - 1] + cuts[i]) / 2) * e), out);
+          if (cuts[i - 1] < cuts[i]) {
+            any = true;
+            all_wedges(e, Point(p + ((cuts[i - 1] + cuts[i]) / 2) * e), out);
+          }
       }
     };
     edges(f, g);
     edges(g, f);
+    out.touches = !any;
   }
 
   const Rays& rays_;
@@ -432,20 +441,18 @@ Result<WindingRange> find_winding_range(const Surface& surface, const SurfaceTop
       const Vec m = (Rational(1) / (wa + wb + wc)) *
                     (wa * exact::vec(rays.corner(f, 0)) + wb * exact::vec(rays.corner(f, 1)) +
                      wc * exact::vec(rays.corner(f, 2)));
-      const Vec n = rays.normal(f);
+      const Vec n = rays.normal(f), back = Rational(-1) * n;
       const Point start(m);
-      std::vector<Index> skip{f};
-      RayCount ray = rays.count(start, Point(n), nullptr, skip);
-      if (ray.status == RayStatus::starts_on_surface) {
-        // Another face lies in the same place; then there are pairs, which have been looked at.
-        skip = rays.faces_at(start);
-        ray = rays.count(start, Point(n), nullptr, skip);
-      }
-      if (ray.status != RayStatus::counted) continue;
-      out.min = std::min(out.min, ray.winding);
-      out.max = std::max(out.max, ray.winding + 1);
-      if (ray.winding < 0) {
-        negative.push_back(Wedge{m, n, skip, ray.winding});
+      // Others may lie in the same place.
+      const std::vector<Index> skip = rays.faces_at(start);
+      const RayCount ahead = rays.count(start, Point(n), nullptr, skip);
+      const RayCount behind = rays.count(start, Point(back), nullptr, skip);
+      if (ahead.status != RayStatus::counted || behind.status != RayStatus::counted) continue;
+      out.min = std::min(out.min, std::min(ahead.winding, behind.winding));
+      out.max = std::max(out.max, std::max(ahead.winding, behind.winding));
+      if (ahead.winding < 0 || behind.winding < 0) {
+        const bool in_front = ahead.winding <= behind.winding;
+        negative.push_back(Wedge{m, in_front ? n : back, skip, std::min(ahead.winding, behind.winding)});
         negative_pair.emplace_back(-1, -1);
       }
       break;
