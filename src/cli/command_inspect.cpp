@@ -6,13 +6,14 @@
 #include "src/cli/signals.h"
 #include "src/io/surface_io.h"
 #include "src/pipeline/inspection.h"
-#include "src/surface/topology.h"
 
 namespace overtet {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kListed = 20;  // of each kind in the text
 
 struct Findings {
   const Surface& surface;
@@ -23,85 +24,96 @@ struct Findings {
 
 const char* yes(bool x) { return x ? "yes" : "no"; }
 
+bool manifold(const TopologyCheck& t) {
+  return t.manifold_edges && t.manifold_vertices && t.duplicate_faces.empty();
+}
+
 Json to_json(const Findings& f) {
-  const Inspection& r = f.found;
-  const InputRecord input = input_record(f.surface, r);
+  const Diagnosis& d = f.found.diagnosis;
+  const TopologyCheck& t = d.topology;
+  const InputRecord input = input_record(f.found);
   Json j = {{"version", version()}, {"format", f.info.format}, {"notes", f.info.notes}};
-  j["vertices"] = input.vertices;
-  j["faces"] = input.faces;
-  j["closed"] = r.topology.closed;
-  j["manifold"] =
-      r.topology.manifold_edges && r.topology.manifold_vertices && r.topology.duplicate_faces.empty();
-  j["oriented"] = r.topology.oriented;
-  j["problems"] = r.topology.problems;
+  j["verdict"] = verdict_name(d.verdict);
+  j["message"] = f.found.problem ? f.found.problem->message : d.message;
+  j["vertices"] = d.vertices;
+  j["faces"] = d.faces;
+  j["closed"] = t.closed;
+  j["manifold"] = manifold(t);
+  j["oriented"] = t.oriented;
+  j["problems"] = t.problems;
   j["components"] = Json::array();
-  if (r.topology.ok()) {
-    const auto& components = r.topology.topology.components;
+  if (t.ok()) {
+    const auto& components = t.topology.components;
     for (std::size_t c = 0; c < components.size(); ++c) {
       Json one = {{"faces", components[c].faces},
                   {"vertices", components[c].vertices},
                   {"genus", components[c].genus}};
-      if (c < r.inward.size()) one["inward"] = static_cast<bool>(r.inward[c]);
+      if (c < d.component_volume.size()) one["signed_volume"] = d.component_volume[c];
       j["components"].push_back(one);
     }
   }
-  j["faces_without_area"] = r.faces_without_area;
+  j["degenerate_faces"] = d.degenerate_faces;
   j["pairs"] = input.pairs;
+  j["pairs_sharing_vertex"] = d.pairs_sharing_vertex;
+  j["pairs_sharing_edge"] = d.pairs_sharing_edge;
   if (f.list_pairs) {
     j["pair_list"] = Json::array();
-    for (const auto& [a, b] : r.pairs) j["pair_list"].push_back({a, b});
+    for (const auto& [a, b] : d.pairs) j["pair_list"].push_back({a, b});
   }
   j["hinges"] = Json::array();
-  for (const Hinge& h : r.hinges)
+  for (const Hinge& h : d.hinges)
     j["hinges"].push_back(
         {{"vertex", h.vertex}, {"b0", h.B0 ? Json(*h.B0) : Json()}, {"covering", h.covering}});
+  j["wound_edges"] = Json::array();
+  for (const WoundEdge& e : d.wound.edges) j["wound_edges"].push_back({{"a", e.a}, {"b", e.b}, {"k", e.k}});
   j["winding_min"] = input.winding_min ? Json(*input.winding_min) : Json();
   j["winding_max"] = input.winding_max ? Json(*input.winding_max) : Json();
-  j["feasible"] = r.problem ? Json(false) : Json();
-  if (r.witness) {
-    Json& w = j["witness"] = Json::object();
-    if (r.witness->point) w = {{"point", *r.witness->point}, {"winding", r.witness->winding}};
-    if (r.witness->vertex) w = {{"vertex", *r.witness->vertex}, {"b0", r.witness->b0}};
+  if (const auto& w = f.found.witness) {
+    Json& record = j["witness"] = Json::object();
+    if (w->point) record = {{"point", *w->point}, {"winding", w->winding}};
+    if (w->vertex) record = {{"vertex", *w->vertex}, {"b0", w->b0}};
   }
-  j["advice"] = advice(r);
+  j["advice"] = d.advice;
   return j;
 }
 
 void print(const Findings& f) {
-  const Inspection& r = f.found;
-  const InputRecord input = input_record(f.surface, r);
+  const Diagnosis& d = f.found.diagnosis;
+  const TopologyCheck& t = d.topology;
+  const InputRecord input = input_record(f.found);
   std::printf("file        %s\n", f.info.format.c_str());
   for (const std::string& note : f.info.notes) std::printf("note        %s\n", note.c_str());
-  std::printf("size        %lld vertices, %lld faces\n", static_cast<long long>(input.vertices),
-              static_cast<long long>(input.faces));
-  std::printf(
-      "closed      %s\nmanifold    %s\noriented    %s\n", yes(r.topology.closed),
-      yes(r.topology.manifold_edges && r.topology.manifold_vertices && r.topology.duplicate_faces.empty()),
-      yes(r.topology.oriented));
-  for (const std::string& problem : r.topology.problems) std::printf("problem     %s\n", problem.c_str());
-  if (r.topology.ok()) {
-    const auto& components = r.topology.topology.components;
-    for (std::size_t c = 0; c < components.size() && c < 20; ++c)
+  std::printf("size        %d vertices, %d faces\n", d.vertices, d.faces);
+  std::printf("closed      %s\nmanifold    %s\noriented    %s\n", yes(t.closed), yes(manifold(t)),
+              yes(t.oriented));
+  for (const std::string& problem : t.problems) std::printf("problem     %s\n", problem.c_str());
+  if (t.ok()) {
+    const auto& components = t.topology.components;
+    for (std::size_t c = 0; c < components.size() && c < kListed; ++c)
       std::printf("component   %d faces, genus %d%s\n", components[c].faces, components[c].genus,
-                  c < r.inward.size() && r.inward[c] ? ", oriented inward" : "");
-    if (components.size() > 20) std::printf("            and %zu components more\n", components.size() - 20);
+                  c < d.component_volume.size() && d.component_volume[c] < 0 ? ", faces inwards" : "");
+    if (components.size() > kListed)
+      std::printf("            and %zu components more\n", components.size() - kListed);
   }
-  if (!r.faces_without_area.empty())
-    std::printf("degenerate  %zu faces without area, the first is %d\n", r.faces_without_area.size(),
-                r.faces_without_area[0]);
+  if (!d.degenerate_faces.empty())
+    std::printf("degenerate  %zu faces without area, the first is %d\n", d.degenerate_faces.size(),
+                d.degenerate_faces[0]);
   if (input.winding_min) {
     std::printf("crossings   %lld pairs of faces\n", static_cast<long long>(input.pairs));
     std::printf("hinges      %lld vertices whose one-ring crosses itself\n",
                 static_cast<long long>(input.hinges));
-    for (std::size_t h = 0; h < r.hinges.size() && h < 20; ++h)
-      std::printf("            vertex %d, B0 %s\n", r.hinges[h].vertex,
-                  r.hinges[h].B0 ? std::to_string(*r.hinges[h].B0).c_str() : "not defined");
-    if (r.hinges.size() > 20) std::printf("            and %zu hinges more\n", r.hinges.size() - 20);
+    for (std::size_t h = 0; h < d.hinges.size() && h < kListed; ++h)
+      std::printf("            vertex %d, B0 %s\n", d.hinges[h].vertex,
+                  d.hinges[h].B0 ? std::to_string(*d.hinges[h].B0).c_str() : "not defined");
+    if (d.hinges.size() > kListed)
+      std::printf("            and %zu hinges more\n", d.hinges.size() - kListed);
     std::printf("winding     %d to %d\n", *input.winding_min, *input.winding_max);
   }
   if (f.list_pairs)
-    for (const auto& [a, b] : r.pairs) std::printf("pair        %d %d\n", a, b);
-  std::printf("advice      %s\n", advice(r).c_str());
+    for (const auto& [a, b] : d.pairs) std::printf("pair        %d %d\n", a, b);
+  std::printf("verdict     %s: %s\n", verdict_name(d.verdict),
+              (f.found.problem ? f.found.problem->message : d.message).c_str());
+  for (const std::string& advice : d.advice) std::printf("advice      %s\n", advice.c_str());
 }
 
 }  // namespace
@@ -116,7 +128,7 @@ int run(const InspectCommand& command, const CommonOptions& common, Terminal& te
   SurfaceReadInfo info;
   const Result<Surface> surface = read_surface(command.input, &info);
   if (!surface) return fail(terminal, surface.error());
-  const Result<Inspection> found = inspect(surface.value(), context);
+  const Result<Inspection> found = inspect(surface.value(), true, context);
   watchdog.dismiss();
   if (!found) return fail(terminal, found.error());
   terminal.clear();

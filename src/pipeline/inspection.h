@@ -1,5 +1,5 @@
-// Everything that can be said about a surface before any mesh is made: what `overtet inspect` prints and what
-// a run decides its way by. All decisions are exact.
+// Everything that can be said about a surface before any mesh is made, and whether a run may begin: the
+// diagnosis, and what the pipeline needs on top of it.
 #pragma once
 
 #include <optional>
@@ -10,33 +10,24 @@
 #include "overtet/types.h"
 #include "src/pipeline/unit_box.h"
 #include "src/report/report.h"
-#include "src/surface/hinges.h"
-#include "src/surface/topology.h"
-#include "src/surface/witness.h"
-#include "src/surface/wound_edges.h"
+#include "src/surface/diagnose.h"
 
 namespace overtet {
 
 struct Inspection {
-  TopologyCheck topology;
-  std::vector<Index> faces_without_area;  // up to the rounding of their coordinates
-  std::vector<bool> inward;               // of each component: encloses a negative volume
-  std::vector<FacePair> pairs;            // sorted; what follows is filled only when nothing above is wrong
-  std::vector<Hinge> hinges;
-  WindingRange winding;
-  WoundEdges wound;  // edges that a mesh must wind around once more, because of the hinges
-  std::optional<UnitBox> box;
+  Diagnosis diagnosis;
+  UnitBox box;  // when there is no problem
 
   std::optional<Error> problem;          // why no mesh can be made: bad_input or infeasible
   std::optional<WitnessRecord> witness;  // where the problem is that no mesh exists
+
+  bool usable() const { return !problem || problem->code == ErrorCode::infeasible; }
 };
 
+// everything: the whole winding range even when a witness has been found.
 // Errors: limit, interrupted. What is wrong with the surface is a finding, not an error.
-Result<Inspection> inspect(const Surface& surface, const RunContext& context);
+Result<Inspection> inspect(const Surface& surface, bool everything, const RunContext& context);
 
-InputRecord input_record(const Surface& surface, const Inspection& inspection);
-
-// One sentence about what to expect or do.
-std::string advice(const Inspection& inspection);
+InputRecord input_record(const Inspection& inspection);
 
 }  // namespace overtet

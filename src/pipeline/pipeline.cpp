@@ -1,7 +1,5 @@
 #include "src/pipeline/pipeline.h"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
@@ -9,11 +7,14 @@
 #include <functional>
 #include <new>
 #include <optional>
+#include <utility>
 
 #include "kernels/parallel/parallel.h"
 #include "src/immersion/immersion.h"
 #include "src/improve/improve.h"
+#include "src/pipeline/flow_route.h"
 #include "src/pipeline/inspection.h"
+#include "src/pipeline/stage_clock.h"
 #include "src/pipeline/stage_files.h"
 #include "src/pipeline/unit_box.h"
 #include "src/pipeline/watch.h"
@@ -24,17 +25,6 @@
 namespace overtet {
 
 namespace {
-
-double cpu_seconds() {
-  double sum = 0;
-  for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
-    rusage u{};
-    if (getrusage(who, &u) != 0) continue;
-    for (const timeval& t : {u.ru_utime, u.ru_stime})
-      sum += static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-  }
-  return sum;
-}
 
 double seconds_since(RunContext::Clock::time_point start) {
   return std::chrono::duration<double>(RunContext::Clock::now() - start).count();
@@ -76,24 +66,15 @@ class Run {
   Status go();
 
  private:
-  // Runs a stage and adds its record. A stage that has to be tried twice leaves two records.
   template <class F>
   auto stage(const char* name, F&& f) {
-    context_.report(name, 0);
-    const auto start = RunContext::Clock::now();
-    const double cpu = cpu_seconds();
-    StageRecord record;
-    record.name = name;
-    auto outcome = f(record);
-    record.seconds = seconds_since(start);
-    record.cpu_seconds = cpu_seconds() - cpu;
-    if (!outcome.ok()) record.figures.emplace_back("error", outcome.error().message);
-    report_.stages.push_back(std::move(record));
-    return outcome;
+    return timed_stage(name, report_.stages, context_, std::forward<F>(f));
   }
 
   Status diagnose();
-  bool lies_beside_itself() const;
+  bool is_plain() const;
+  Status try_routes();
+  Status finish_saved();
   Result<TetMesh> mesh_clean();
   Result<TetMesh> mesh_immersed();
   Status finish(TetMesh mesh);
@@ -119,32 +100,96 @@ Status Run::diagnose() {
   return stage("diagnose", [&](StageRecord& record) -> Status {
     report_.input.vertices = input_.V.rows();
     report_.input.faces = input_.F.rows();
-    Result<Inspection> looked = inspect(input_, context_);
+    Result<Inspection> looked = inspect(input_, false, context_);
     if (!looked) return looked.error();
     found_ = std::move(looked).value();
-    report_.input = input_record(input_, found_);
+    const Diagnosis& d = found_.diagnosis;
+    report_.input = input_record(found_);
     report_.witness = found_.witness;
-    record.figures.emplace_back("pairs", report_.input.pairs);
+    record.figures = {{"pairs", report_.input.pairs},
+                      {"verdict", std::string(verdict_name(d.verdict))},
+                      {"wound_edges", static_cast<std::int64_t>(d.wound.edges.size())},
+                      {"pairs_seconds", d.times.pairs},
+                      {"hinges_seconds", d.times.hinges},
+                      {"winding_seconds", d.times.winding},
+                      {"wound_edges_seconds", d.times.wound_edges}};
     if (found_.problem) return *found_.problem;
     surface_ = input_;
-    box_ = *found_.box;
+    box_ = found_.box;
     back_into_unit_box(surface_.V, box_);
     return success();
   });
 }
 
-// Without pairs a surface still overlaps itself where components lie inside each other.
-bool Run::lies_beside_itself() const { return found_.winding.min == 0 && found_.winding.max == 1; }
+// No crossings, no component inside another one: any mesh of the inside is the answer.
+bool Run::is_plain() const {
+  const Diagnosis& d = found_.diagnosis;
+  return d.pairs.empty() && d.winding.min == 0 && d.winding.max == 1 &&
+         std::all_of(d.component_volume.begin(), d.component_volume.end(), [](double v) { return v > 0; });
+}
+
+// The routes in turn, until one leads to a mesh that passes the check.
+Status Run::try_routes() {
+  struct Route {
+    const char* name;
+    std::function<Result<TetMesh>()> run;
+  };
+  std::vector<Route> routes;
+  if (is_plain()) routes.push_back({"tet mesh", [&] { return mesh_clean(); }});
+  if (options_.preset == Preset::standard) routes.push_back({"immersion", [&] { return mesh_immersed(); }});
+  routes.push_back({"flow", [&] {
+                      return mesh_by_flow({surface_, found_.diagnosis, context_, report_.stages,
+                                           save_ ? &*save_ : nullptr, resume_ ? &*resume_ : nullptr});
+                    }});
+  std::string told;
+  for (const Route& route : routes) {
+    Result<TetMesh> mesh = route.run();
+    Status done = mesh ? finish(std::move(mesh).value()) : Status(mesh.error());
+    if (done) return done;
+    const Error& e = done.error();
+    if (e.code == ErrorCode::limit || e.code == ErrorCode::interrupted || e.code == ErrorCode::io ||
+        e.code == ErrorCode::bad_input)
+      return done;
+    context_.note(LogLevel::info, std::string("Route ") + route.name + ": " + e.message);
+    told += (told.empty() ? "" : " ") + std::string("Route ") + route.name + ": " + e.message;
+  }
+  if (!found_.diagnosis.wound.complete()) told = found_.diagnosis.wound.explanation + " " + told;
+  return Error{ErrorCode::unsolved, "No tet mesh was found. " + told};
+}
+
+// A mesh that was saved before the quality pass.
+Status Run::finish_saved() {
+  Result<TetMesh> mesh = resume_->load_mesh("mapped", static_cast<Index>(surface_.V.rows()));
+  if (!mesh) return mesh.error();
+  if (!verify(surface_, mesh.value(), {}, context_).ok()) {
+    if (auto stop = context_.stop()) return *stop;
+    return Error{ErrorCode::bad_input,
+                 "The stage mapped to resume from does not fit the input; it is damaged."};
+  }
+  return finish(std::move(mesh).value());
+}
 
 Result<TetMesh> Run::mesh_immersed() {
   return stage("immersion", [&](StageRecord& record) -> Result<TetMesh> {
-    Result<ImmersionResult> r = immerse(surface_, found_.pairs, found_.wound.edges, {}, context_);
+    const Diagnosis& d = found_.diagnosis;
+    ImmersionOptions options;
+    // Refinement for quality can go on for ever at needles; a mesh without it is still a mesh.
+    RunContext patient = context_;
+    patient.deadline =
+        std::min(context_.deadline, RunContext::Clock::now() + quality_time(surface_.F.rows()));
+    Result<ImmersionResult> r = immerse(surface_, d.pairs, d.wound.edges, options, patient);
+    if (!r && r.error().code == ErrorCode::limit && !context_.stop()) {
+      context_.note(LogLevel::info, "The tet mesh is refined without end; trying without refinement.");
+      options.radius_edge = 0;
+      r = immerse(surface_, d.pairs, d.wound.edges, options, context_);
+    }
     if (!r) return r.error();
     const ImmersionResult& x = r.value();
     if (Status s = save("arrangement", Surface{x.arrangement.V, x.arrangement.F}); !s) return s.error();
     if (Status s = save("cover", x.cover); !s) return s.error();
     record.iterations = x.search_nodes;
-    record.figures = {{"cells", std::int64_t{x.cells}},
+    record.figures = {{"refined", options.radius_edge > 0},
+                      {"cells", std::int64_t{x.cells}},
                       {"regions", std::int64_t{x.regions}},
                       {"winding_max", std::int64_t{x.winding_max}},
                       {"boundary_points", std::int64_t{x.boundary_points}},
@@ -249,12 +294,8 @@ Status Run::go() {
     if (!files) return files.error();
     save_ = std::move(files).value();
   }
-  const bool clean =
-      found_.pairs.empty() && lies_beside_itself() &&
-      std::none_of(found_.inward.begin(), found_.inward.end(), [](bool inward) { return inward; });
-  Result<TetMesh> mesh = clean ? mesh_clean() : mesh_immersed();
-  if (!mesh) return mesh.error();
-  return finish(std::move(mesh).value());
+  if (resume_ && resume_->has("mapped")) return finish_saved();
+  return try_routes();
 }
 
 }  // namespace

@@ -1,0 +1,185 @@
+#include "src/pipeline/flow_route.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include "kernels/bvh/self_intersections.h"
+#include "src/forward_flow/forward_flow.h"
+#include "src/pipeline/stage_clock.h"
+#include "src/reverse_flow/reverse_flow.h"
+#include "src/tet_mesh/tet_mesh.h"
+#include "src/verify/verify.h"
+#include "src/volume_map/volume_map.h"
+
+namespace overtet {
+
+namespace {
+
+// A reverse flow that takes longer than this has locked; what it has by then is judged as it is.
+double reverse_seconds(const FlowRoute& r) {
+  return std::min(60 + 2e-3 * static_cast<double>(r.surface.F.rows()), 0.4 * r.context.seconds_left());
+}
+
+template <class Geometry>
+Status keep(const FlowRoute& r, const char* name, const Geometry& geometry) {
+  return r.save ? r.save->save(name, geometry) : success();
+}
+
+Error damaged(const char* name) {
+  return {ErrorCode::bad_input,
+          std::string("The stage ") + name + " to resume from does not fit the input; it is damaged."};
+}
+
+Result<ForwardFlowResult> flow_forward(const FlowRoute& r, const ForwardFlowOptions& options) {
+  return timed_stage("forward_flow", r.records, r.context,
+                     [&](StageRecord& record) -> Result<ForwardFlowResult> {
+                       std::vector<std::array<Index, 2>> pairs;
+                       for (const auto& [f, g] : r.diagnosis.pairs) pairs.push_back({f, g});
+                       Result<ForwardFlowResult> flowed = forward_flow(r.surface, pairs, options, r.context);
+                       if (!flowed) return flowed;
+                       const ForwardFlowResult& x = flowed.value();
+                       record.iterations = static_cast<std::int64_t>(x.steps.size());
+                       record.figures = {{"attempts", std::int64_t{x.attempts}},
+                                         {"clusters", std::int64_t{x.clusters}},
+                                         {"frozen_area", x.frozen_area},
+                                         {"weights", std::string(to_string(x.weights))}};
+                       return flowed;
+                     });
+}
+
+Result<ReverseFlowResult> flow_back(const FlowRoute& r, const ForwardFlowResult& forward,
+                                    ReverseFlowOptions options) {
+  return timed_stage(
+      "reverse_flow", r.records, r.context, [&](StageRecord& record) -> Result<ReverseFlowResult> {
+        std::vector<VertexMatrix> stages;
+        if (options.staged)
+          for (std::size_t i = 0; i < forward.states.size(); ++i)
+            stages.push_back(forward.state(r.surface.V, i));
+        options.max_seconds = std::min(options.max_seconds, reverse_seconds(r));
+        Result<ReverseFlowResult> back =
+            reverse_flow(r.surface, forward.V, stages, forward.reverse_free, options, r.context);
+        if (!back) return back;
+        const ReverseFlowResult& x = back.value();
+        record.iterations = x.iterations;
+        record.figures = {{"locked", x.locked},
+                          {"rollbacks", std::int64_t{x.rollbacks}},
+                          {"area_p01", x.quality.area_p01},
+                          {"area_p50", x.quality.area_p50},
+                          {"area_p99", x.quality.area_p99},
+                          {"edge_p01", x.quality.edge_p01},
+                          {"edge_p50", x.quality.edge_p50},
+                          {"edge_p99", x.quality.edge_p99},
+                          {"area_within_20", x.quality.area_within_20}};
+        return back;
+      });
+}
+
+Result<TetMesh> fill(const FlowRoute& r, const VertexMatrix& U0) {
+  Result<TetMesh> mesh =
+      timed_stage("tet_mesh", r.records, r.context, [&](StageRecord& record) -> Result<TetMesh> {
+        Result<TetMeshResult> filled = tet_mesh({U0, r.surface.F}, {}, r.context);
+        if (!filled) return filled.error();
+        record.figures = {{"tets", std::int64_t{filled.value().mesh.T.rows()}},
+                          {"edges_split", std::int64_t{filled.value().edges_split}},
+                          {"faces_split", std::int64_t{filled.value().faces_split}},
+                          {"tets_split", std::int64_t{filled.value().tets_split}}};
+        return std::move(filled.value().mesh);
+      });
+  if (!mesh) return mesh;
+  if (Status s = keep(r, "tet_mesh", mesh.value()); !s) return s.error();
+  return mesh;
+}
+
+Result<TetMesh> map(const FlowRoute& r, const TetMesh& mesh) {
+  return timed_stage("volume_map", r.records, r.context, [&](StageRecord& record) -> Result<TetMesh> {
+    VolumeMapOptions options;
+    options.seconds = std::min(options.seconds, 0.8 * r.context.seconds_left());
+    Result<VolumeMapResult> mapped =
+        volume_map(mesh, r.surface.V, r.diagnosis.wound.edges, options, r.context);
+    if (!mapped) return mapped.error();
+    const VolumeMapResult& x = mapped.value();
+    record.iterations = static_cast<std::int64_t>(x.rounds.size());
+    record.figures = {{"tets", std::int64_t{x.mesh.T.rows()}},
+                      {"inverted_at_start", std::int64_t{x.inverted_at_start}},
+                      {"patches", std::int64_t{x.patches}},
+                      {"released", std::int64_t{x.released}},
+                      {"refinements", std::int64_t{x.refinements}}};
+    return std::move(mapped.value().mesh);
+  });
+}
+
+// From a saved state on, the latest one there is; none when there is none.
+std::optional<Result<TetMesh>> resumed(const FlowRoute& r) {
+  if (!r.resume) return std::nullopt;
+  const auto surface_vertices = static_cast<Index>(r.surface.V.rows());
+  if (r.resume->has("tet_mesh") && r.resume->has("embedded")) {
+    Result<Surface> embedded = r.resume->load_surface("embedded");
+    if (!embedded) return embedded.error();
+    Result<TetMesh> mesh = r.resume->load_mesh("tet_mesh", surface_vertices);
+    if (!mesh) return mesh.error();
+    if (embedded.value().F != r.surface.F || !verify(embedded.value(), mesh.value(), {}, r.context).ok())
+      return damaged("tet_mesh");
+    return map(r, mesh.value());
+  }
+  if (r.resume->has("embedded")) {
+    Result<Surface> embedded = r.resume->load_surface("embedded");
+    if (!embedded) return embedded.error();
+    const Surface& s = embedded.value();
+    if (s.V.rows() != r.surface.V.rows() || s.F != r.surface.F || !all_finite(s.V) ||
+        !find_self_intersections(s.V, s.F).empty())
+      return damaged("embedded");
+    Result<TetMesh> mesh = fill(r, s.V);
+    if (!mesh) return mesh.error();
+    return map(r, mesh.value());
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<TetMesh> mesh_by_flow(const FlowRoute& r) {
+  if (auto from_saved = resumed(r)) return *from_saved;
+
+  const std::vector<ForwardFlowOptions> forward_ladder = forward_flow_ladder();
+  const std::vector<ReverseFlowOptions> reverse_ladder = reverse_flow_ladder();
+  const std::size_t rungs = std::min(forward_ladder.size(), reverse_ladder.size());
+  std::optional<ReverseFlowResult> best;
+  Error last{ErrorCode::unsolved, "No flow was tried."};
+  const auto ends_the_run = [](const Error& e) {
+    return e.code == ErrorCode::limit || e.code == ErrorCode::interrupted || e.code == ErrorCode::io;
+  };
+  for (std::size_t rung = 0; rung < rungs; ++rung) {
+    const bool is_last = rung + 1 == rungs;
+    Result<ForwardFlowResult> forward = flow_forward(r, forward_ladder[rung]);
+    if (!forward) {
+      if (ends_the_run(forward.error())) return forward.error();
+      last = {ErrorCode::unsolved, "Forward flow: " + forward.error().message};
+    } else {
+      if (Status s = keep(r, "flow_end", Surface{forward.value().V, r.surface.F}); !s) return s.error();
+      Result<ReverseFlowResult> back = flow_back(r, forward.value(), reverse_ladder[rung]);
+      if (!back) {
+        if (ends_the_run(back.error())) return back.error();
+        last = {ErrorCode::unsolved, "Reverse flow: " + back.error().message};
+      } else if (!best || back.value().quality.area_p01 > best->quality.area_p01) {
+        best = std::move(back).value();
+      } else {
+        continue;  // worse than what did not map before
+      }
+    }
+    if (!best || (best->locked && !is_last)) continue;
+    if (Status s = keep(r, "embedded", Surface{best->U0, r.surface.F}); !s) return s.error();
+    Result<TetMesh> filled = fill(r, best->U0);
+    if (filled) {
+      Result<TetMesh> mapped = map(r, filled.value());
+      if (mapped || ends_the_run(mapped.error())) return mapped;
+      last = {ErrorCode::unsolved, "Volume map: " + mapped.error().message};
+    } else {
+      if (ends_the_run(filled.error())) return filled;
+      last = {ErrorCode::unsolved, "Tet mesh: " + filled.error().message};
+    }
+  }
+  return last;
+}
+
+}  // namespace overtet

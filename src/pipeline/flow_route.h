@@ -1,0 +1,32 @@
+// The paper's route (Sacht et al. 2013): flow the surface until it no longer passes through itself, flow it
+// back to its shape without letting it touch itself, fill that with tets, map them to the input.
+//
+// The flows are tried along their ladder of settings until one result is not locked (a part that stays
+// collapsed); the best result goes on. When the map fails, the ladder's next rung is tried while time lasts.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "overtet/run_context.h"
+#include "overtet/types.h"
+#include "src/pipeline/stage_files.h"
+#include "src/report/report.h"
+#include "src/surface/diagnose.h"
+
+namespace overtet {
+
+struct FlowRoute {
+  const Surface& surface;  // in the unit box
+  const Diagnosis& diagnosis;
+  const RunContext& context;
+  std::vector<StageRecord>& records;
+  StageFiles* save = nullptr;          // where to keep the states
+  const StageFiles* resume = nullptr;  // states of an earlier run
+};
+
+// A positive tet mesh of the surface, not yet checked.
+Result<TetMesh> mesh_by_flow(const FlowRoute& route);
+
+}  // namespace overtet

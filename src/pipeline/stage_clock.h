@@ -1,0 +1,29 @@
+// Runs one stage and writes down what it took. Internal to src/pipeline.
+#pragma once
+
+#include <vector>
+
+#include "overtet/run_context.h"
+#include "src/report/report.h"
+
+namespace overtet {
+
+double cpu_seconds();  // of this process and its children that have ended
+
+// f(record) returns a Result. A stage that is tried twice leaves two records.
+template <class F>
+auto timed_stage(const char* name, std::vector<StageRecord>& records, const RunContext& context, F&& f) {
+  context.report(name, 0);
+  const auto start = RunContext::Clock::now();
+  const double cpu = cpu_seconds();
+  StageRecord record;
+  record.name = name;
+  auto outcome = f(record);
+  record.seconds = std::chrono::duration<double>(RunContext::Clock::now() - start).count();
+  record.cpu_seconds = cpu_seconds() - cpu;
+  if (!outcome.ok()) record.figures.emplace_back("error", outcome.error().message);
+  records.push_back(std::move(record));
+  return outcome;
+}
+
+}  // namespace overtet
