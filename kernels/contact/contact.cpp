@@ -12,6 +12,11 @@ namespace {
 
 constexpr std::int64_t kFaceGrain = 1024;
 constexpr std::int64_t kPairGrain = 256;
+// Part of the local mean edge a vertex may move before the remembered pairs are looked for again: between
+// these two, by how fast the last steps were.
+constexpr double kSkinLeast = 0.005, kSkinMost = 0.1;
+// Lengths may grow by this factor before that.
+constexpr double kSkinGrowth = 1.3;
 
 Box box_of_face(const VertexMatrix& X, const TriangleMatrix& F, Index f) {
   Box box;
@@ -53,7 +58,7 @@ ContactMesh::ContactMesh(const VertexMatrix& X, const TriangleMatrix& F, const s
 
 ContactMesh::ContactMesh(const VertexMatrix& X, const TriangleMatrix& F, const std::vector<char>& free,
                          const VertexMatrix& rest, const Eigen::VectorXd& h, const ContactRule& rule)
-    : F_(F), free_(free), rest_(rest), h_(h), rule_(rule) {
+    : F_(F), free_(free), rest_(rest), h_(h), full_h_(h), rule_(rule) {
   const Index vertices = static_cast<Index>(X.rows()), faces = static_cast<Index>(F.rows());
   std::vector<std::pair<Index, Index>> edges;
   edges.reserve(6 * static_cast<std::size_t>(faces));
@@ -93,6 +98,8 @@ ContactMesh::ContactMesh(const VertexMatrix& X, const TriangleMatrix& F, const s
     boxes[i].grow(margin(frozen_faces_[i]));
   }
   frozen_tree_.build(boxes);
+  for (Index v = 0; v < vertices; ++v)
+    if (free_[v]) free_vertices_.push_back(v);
   boxes_.resize(free_faces_.size());
   for (std::size_t i = 0; i < boxes_.size(); ++i) boxes_[i] = box_of_face(X, F_, free_faces_[i]);
   free_tree_.build(boxes_);
@@ -102,11 +109,38 @@ bool ContactMesh::adjacent(Index a, Index b) const {
   return std::binary_search(ring_.begin() + ring_begin_[a], ring_.begin() + ring_begin_[a + 1], b);
 }
 
-// Half of the largest dhat of any pair of this face: two grown boxes overlap when the pair is in reach.
+// Half of the largest dhat of any pair of this face, and its skin: two grown boxes overlap when the pair is,
+// or soon can be, in reach.
 double ContactMesh::margin(Index face) const {
   if (h_.size() == 0) return 0;
   const double h = std::max({h_[F_(face, 0)], h_[F_(face, 1)], h_[F_(face, 2)]});
-  return 0.5 * std::max(rule_.reach, rule_.ring_floor) * h;
+  return (0.5 * std::max(rule_.reach, rule_.ring_floor) + kSkinMost) * h;
+}
+
+double ContactMesh::mean_edge(const std::array<Index, 4>& v, PairKind kind, const Eigen::VectorXd& h) const {
+  if (kind == PairKind::vertex_triangle) return std::min(h[v[0]], (h[v[1]] + h[v[2]] + h[v[3]]) / 3);
+  return std::min((h[v[0]] + h[v[1]]) / 2, (h[v[2]] + h[v[3]]) / 2);
+}
+
+double ContactMesh::reach_of(bool near, double rest, double h) const {
+  const double dhat = rule_.reach * h;
+  return near ? std::max(std::min(dhat, rule_.ring_reach * rest), rule_.ring_floor * h) : dhat;
+}
+
+bool ContactMesh::remembered(const VertexMatrix& X) const {
+  if (list_X_.rows() != X.rows()) return false;
+  return parallel_reduce(
+      static_cast<std::int64_t>(free_vertices_.size()), 4 * kFaceGrain, true,
+      [&](std::int64_t begin, std::int64_t end) {
+        for (std::int64_t i = begin; i < end; ++i) {
+          const Index v = free_vertices_[i];
+          if (h_[v] > list_h_[v] ||
+              !((X.row(v) - list_X_.row(v)).squaredNorm() <= list_skin_[v] * list_skin_[v]))
+            return false;
+        }
+        return true;
+      },
+      [](bool a, bool b) { return a && b; });
 }
 
 template <class BoxOf>
@@ -149,22 +183,42 @@ void ContactMesh::primitives(const IndexPair& faces, Visit&& visit) const {
   }
 }
 
-std::vector<Contact> ContactMesh::find_contacts(const VertexMatrix& X) {
+void ContactMesh::remember(const VertexMatrix& X) {
+  // How far the fastest vertex went per use of the last list: a list that would not last is not worth a skin.
+  double pace = kSkinMost;
+  if (list_X_.rows() == X.rows() && list_uses_ > 0) {
+    pace = 0;
+    for (Index v : free_vertices_) pace = std::max(pace, (X.row(v) - list_X_.row(v)).norm() / list_h_[v]);
+    pace /= list_uses_;
+  }
+  skin_ = 2 * pace <= kSkinMost ? std::clamp(10 * pace, kSkinLeast, kSkinMost) : kSkinLeast;
+  const Eigen::VectorXd now = h_;
+  list_X_ = X;
+  list_h_ = full_h_.cwiseMin(kSkinGrowth * h_);
+  list_uses_ = 0;
+  list_skin_ = skin_ * list_h_;
+  for (Eigen::Index v = 0; v < list_skin_.size(); ++v)
+    if (!free_[v]) list_skin_[v] = 0;
+  h_ = list_h_;  // margins of the lengths to come
   const std::vector<IndexPair> pairs = candidates([&](Index f) {
     Box box = box_of_face(X, F_, f);
-    box.grow(margin(f));
+    box.grow(margin(f) - (kSkinMost - skin_) * std::max({h_[F_(f, 0)], h_[F_(f, 1)], h_[F_(f, 2)]}));
     return box;
   });
-  return parallel_collect<Contact>(
+  h_ = now;
+  const auto skin_of_face = [&](Index f) {
+    return std::max({list_skin_[F_(f, 0)], list_skin_[F_(f, 1)], list_skin_[F_(f, 2)]});
+  };
+  list_ = parallel_collect<Primitive>(
       static_cast<std::int64_t>(pairs.size()), kPairGrain,
-      [&](std::int64_t begin, std::int64_t end, std::vector<Contact>& out) {
+      [&](std::int64_t begin, std::int64_t end, std::vector<Primitive>& out) {
         for (std::int64_t i = begin; i < end; ++i) {
           primitives(pairs[i], [&](PairKind kind, const std::array<Index, 4>& v) {
             const int split = kind == PairKind::vertex_triangle ? 1 : 2;
-            double h[2] = {0, 0};
-            for (int k = 0; k < 4; ++k) h[k < split ? 0 : 1] += h_[v[k]] / (k < split ? split : 4 - split);
-            const double mean_edge = std::min(h[0], h[1]);
-            const double reach = std::max(rule_.reach, rule_.ring_floor) * mean_edge;
+            double skin[2] = {0, 0};
+            for (int k = 0; k < 4; ++k) skin[k >= split] = std::max(skin[k >= split], list_skin_[v[k]]);
+            const double reach =
+                std::max(rule_.reach, rule_.ring_floor) * mean_edge(v, kind, list_h_) + skin[0] + skin[1];
             for (int axis = 0; axis < 3; ++axis) {
               double low[2], high[2];
               for (int part = 0; part < 2; ++part) {
@@ -177,20 +231,46 @@ std::vector<Contact> ContactMesh::find_contacts(const VertexMatrix& X) {
               }
               if (low[0] - high[1] >= reach || low[1] - high[0] >= reach) return;
             }
-            const Closest closest = closest_points(kind, corners(X, v));
-            if (closest.distance >= reach) return;
-            double dhat = rule_.reach * mean_edge;
+            const double distance = closest_points(kind, corners(X, v)).distance;
+            if (distance >= reach) return;
             bool near = false;
             for (int a = 0; a < split && !near; ++a)
               for (int b = split; b < 4 && !near; ++b) near = adjacent(v[a], v[b]);
-            if (near) {
-              const double rest = closest_points(kind, corners(rest_, v)).distance;
-              dhat = std::max(std::min(dhat, rule_.ring_reach * rest), rule_.ring_floor * mean_edge);
-            }
-            if (closest.distance < dhat) out.push_back({v, kind, closest, dhat, mean_edge});
+            const double rest = near ? closest_points(kind, corners(rest_, v)).distance : 0;
+            if (distance >= reach_of(near, rest, mean_edge(v, kind, list_h_)) + skin[0] + skin[1]) return;
+            out.push_back({v, kind, near, rest});
           });
         }
       });
+  list_faces_ = parallel_collect<IndexPair>(
+      static_cast<std::int64_t>(pairs.size()), kPairGrain,
+      [&](std::int64_t begin, std::int64_t end, std::vector<IndexPair>& out) {
+        for (std::int64_t i = begin; i < end; ++i) {
+          Box a = box_of_face(X, F_, pairs[i].a), b = box_of_face(X, F_, pairs[i].b);
+          a.grow(skin_of_face(pairs[i].a));
+          b.grow(skin_of_face(pairs[i].b));
+          if (a.overlaps(b)) out.push_back(pairs[i]);
+        }
+      });
+}
+
+std::vector<Contact> ContactMesh::find_contacts(const VertexMatrix& X) {
+  if (!remembered(X)) remember(X);
+  ++list_uses_;
+  return parallel_collect<Contact>(static_cast<std::int64_t>(list_.size()), kPairGrain,
+                                   [&](std::int64_t begin, std::int64_t end, std::vector<Contact>& out) {
+                                     for (std::int64_t i = begin; i < end; ++i) {
+                                       const Primitive& p = list_[i];
+                                       const double h = mean_edge(p.v, p.kind, h_);
+                                       double dhat = rule_.reach * h;
+                                       if (p.near)
+                                         dhat = std::max(std::min(dhat, rule_.ring_reach * p.rest),
+                                                         rule_.ring_floor * h);
+                                       const Closest closest = closest_points(p.kind, corners(X, p.v));
+                                       if (closest.distance < dhat)
+                                         out.push_back({p.v, p.kind, closest, dhat, h});
+                                     }
+                                   });
 }
 
 std::vector<IndexPair> ContactMesh::intersections(const VertexMatrix& X) {
@@ -210,6 +290,36 @@ std::vector<IndexPair> ContactMesh::intersections(const VertexMatrix& X) {
 
 std::vector<ContactMesh::Hit> ContactMesh::check_step(const VertexMatrix& X, const VertexMatrix& P) {
   const VertexMatrix Y = X + P;
+  const auto check_primitive = [&](PairKind kind, const std::array<Index, 4>& v, std::vector<Hit>& out) {
+    if (!sweeps_overlap(kind, v, X, Y)) return;
+    const double safe = safe_step(kind, corners(X, v), corners(P, v));
+    if (safe < 1) out.push_back({v, safe});
+  };
+  const auto check_faces = [&](const IndexPair& p, std::vector<Hit>& out) {
+    const auto [f, g] = p;
+    if (!box_of_face(Y, F_, f).overlaps(box_of_face(Y, F_, g)) ||
+        !faces_intersect(Y.data(), F_.row(f).data(), F_.row(g).data()))
+      return;
+    // Both faces' corners in two records: every vertex that could help to part them.
+    out.push_back({{F_(f, 0), F_(f, 1), F_(f, 2), F_(g, 0)}, 0});
+    out.push_back({{F_(g, 0), F_(g, 1), F_(g, 2), F_(f, 0)}, 0});
+  };
+  // A skin is convex: when both ends of the way lie in it, so does the way.
+  if (h_.size() > 0 && remembered(X) && remembered(Y)) {
+    std::vector<Hit> hits =
+        parallel_collect<Hit>(static_cast<std::int64_t>(list_.size()), kPairGrain,
+                              [&](std::int64_t begin, std::int64_t end, std::vector<Hit>& out) {
+                                for (std::int64_t i = begin; i < end; ++i)
+                                  check_primitive(list_[i].kind, list_[i].v, out);
+                              });
+    const std::vector<Hit> more =
+        parallel_collect<Hit>(static_cast<std::int64_t>(list_faces_.size()), kPairGrain,
+                              [&](std::int64_t begin, std::int64_t end, std::vector<Hit>& out) {
+                                for (std::int64_t i = begin; i < end; ++i) check_faces(list_faces_[i], out);
+                              });
+    hits.insert(hits.end(), more.begin(), more.end());
+    return hits;
+  }
   const std::vector<IndexPair> pairs = candidates([&](Index f) {
     Box box = box_of_face(X, F_, f);
     box.include(box_of_face(Y, F_, f));
@@ -218,19 +328,10 @@ std::vector<ContactMesh::Hit> ContactMesh::check_step(const VertexMatrix& X, con
   return parallel_collect<Hit>(static_cast<std::int64_t>(pairs.size()), kPairGrain,
                                [&](std::int64_t begin, std::int64_t end, std::vector<Hit>& out) {
                                  for (std::int64_t i = begin; i < end; ++i) {
-                                   const auto [f, g] = pairs[i];
                                    primitives(pairs[i], [&](PairKind kind, const std::array<Index, 4>& v) {
-                                     if (!sweeps_overlap(kind, v, X, Y)) return;
-                                     const double safe = safe_step(kind, corners(X, v), corners(P, v));
-                                     if (safe < 1) out.push_back({v, safe});
+                                     check_primitive(kind, v, out);
                                    });
-                                   if (box_of_face(Y, F_, f).overlaps(box_of_face(Y, F_, g)) &&
-                                       faces_intersect(Y.data(), F_.row(f).data(), F_.row(g).data())) {
-                                     // Both faces' corners in two records: every vertex that could help to
-                                     // part them.
-                                     out.push_back({{F_(f, 0), F_(f, 1), F_(f, 2), F_(g, 0)}, 0});
-                                     out.push_back({{F_(g, 0), F_(g, 1), F_(g, 2), F_(f, 0)}, 0});
-                                   }
+                                   check_faces(pairs[i], out);
                                  }
                                });
 }

@@ -9,6 +9,9 @@
 // common vertex. So if no such pair comes closer than some part of its present distance during a
 // step, the state after the step is as free of intersections as the one before.
 //
+// While little moves, the pairs in reach are remembered: the list is made with a skin around every vertex and
+// holds until a vertex leaves its skin (as in molecular dynamics [Verlet 1967]). Answers do not change.
+//
 // Some vertices may be frozen: pairs of four frozen vertices are never looked at, and the frozen faces'
 // tree is built once. All results are in an order that does not depend on the number of threads.
 #pragma once
@@ -76,16 +79,28 @@ class ContactMesh {
   }
 
  private:
+  struct Primitive {
+    std::array<Index, 4> v;
+    PairKind kind;
+    bool near;    // one-ring neighbours
+    double rest;  // their distance at rest
+  };
+
   template <class BoxOf>
   std::vector<IndexPair> candidates(const BoxOf& box_of);
   template <class Visit>
   void primitives(const IndexPair& faces, Visit&& visit) const;
   double margin(Index face) const;
+  double reach_of(bool near, double rest, double h) const;  // dhat
+  double mean_edge(const std::array<Index, 4>& v, PairKind kind, const Eigen::VectorXd& h) const;
+  // Every vertex of X lies in its skin, and h is within what the lists were made for.
+  bool remembered(const VertexMatrix& X) const;
+  void remember(const VertexMatrix& X);
 
   TriangleMatrix F_;
   std::vector<char> free_;
   VertexMatrix rest_;
-  Eigen::VectorXd h_;
+  Eigen::VectorXd h_, full_h_;
   ContactRule rule_;
   std::vector<Index> free_faces_, frozen_faces_;
   // What a face stands for, so that every vertex and every edge is looked at once: bit k: corner k, bit
@@ -94,6 +109,14 @@ class ContactMesh {
   std::vector<Index> ring_begin_, ring_;
   std::vector<Box> boxes_;
   BoxTree free_tree_, frozen_tree_;
+
+  VertexMatrix list_X_;                 // where the lists were made; empty: no lists
+  Eigen::VectorXd list_h_, list_skin_;  // for which lengths, and how far a vertex may go
+  double skin_ = 0;                     // part of the mean edge
+  int list_uses_ = 0;
+  std::vector<Index> free_vertices_;
+  std::vector<Primitive> list_;        // every pair that can come into reach
+  std::vector<IndexPair> list_faces_;  // every pair of faces whose boxes can overlap
 };
 
 }  // namespace overtet

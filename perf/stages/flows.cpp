@@ -89,8 +89,8 @@ double run(const std::string& name, const overtet::Surface& surface,
       q.edge_p01, q.edge_p50, q.edge_p99, q.area_within_20, r.worst_face, r.locked ? " LOCKED" : "");
   if (settings.verbose)
     for (const auto& s : r.steps)
-      std::printf("  stage %d it %d contacts %d energy %.6g move %.3g halvings %d held %d\n", s.stage,
-                  s.iteration, s.contacts, s.energy, s.move, s.halvings, s.held);
+      std::printf("  stage %d it %d contacts %d energy %.6g move %.3g halvings %d held %d at %.3f s\n",
+                  s.stage, s.iteration, s.contacts, s.energy, s.move, s.halvings, s.held, s.seconds);
   if (!settings.save.empty()) {
     const std::filesystem::path dir(settings.save);
     if (!write_surface(dir / (name + "_forward.ply"), {f.V, surface.F}, SurfaceFormat::ply) ||

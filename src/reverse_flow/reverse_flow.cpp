@@ -247,6 +247,7 @@ class Reverse {
       double move = 0;
       for (Index v : local_.row_vertex) move = std::max(move, P.row(v).norm() / h[v]);
       record.move = move;
+      record.seconds = seconds();
       before = std::move(U);
       U = std::move(next);
       if (o_.on_state) o_.on_state(U);

@@ -95,10 +95,11 @@ struct ReverseFlowStep {
   int stage = 0;      // 0: the first rest shape
   int iteration = 0;  // from 1
   Index contacts = 0;
-  double energy = 0;  // ARAP, before the step, relative to the area
-  double move = 0;    // largest step of a vertex in mean edges, after the line search
-  int halvings = 0;   // of the line search, local and global
-  Index held = 0;     // vertices held back at last
+  double energy = 0;   // ARAP, before the step, relative to the area
+  double move = 0;     // largest step of a vertex in mean edges, after the line search
+  int halvings = 0;    // of the line search, local and global
+  Index held = 0;      // vertices held back at last
+  double seconds = 0;  // since the start of the flow, wall clock
 };
 
 // Ratios U0 / V0.

@@ -6,6 +6,7 @@
 #include <map>
 #include <random>
 #include <set>
+#include <tuple>
 
 #include "kernels/parallel/parallel.h"
 #include "kernels/predicates/predicates.h"
@@ -242,6 +243,48 @@ TEST(ContactMesh, ContactsMatchBruteForceFrozenOrNot) {
       EXPECT_NEAR(it->second, d, 1e-12);
     }
   }
+}
+
+// What is remembered between calls never changes an answer.
+TEST(ContactMesh, RememberedPairsMatchAFreshSearch) {
+  const Surface s = test::bent_capsule(321, 1, 0.3, 40, 10);
+  ASSERT_TRUE(ContactMesh(s.V, s.F, std::vector<char>(s.V.rows(), 1)).intersections(s.V).empty());
+  std::vector<char> free(s.V.rows(), 1);
+  for (std::size_t v = 0; v < free.size(); ++v) free[v] = v % 200 < 150;
+  const Eigen::VectorXd h = constant(s, 0.12);
+  ContactMesh mesh(s.V, s.F, free, s.V, h);
+  std::mt19937 random(kSeed);
+  const auto sorted = [](std::vector<Contact> list) {
+    std::vector<std::tuple<std::array<Index, 4>, double, double>> out;
+    for (const Contact& c : list) out.emplace_back(c.v, c.closest.distance, c.dhat);
+    std::sort(out.begin(), out.end());
+    return out;
+  };
+  const auto sorted_hits = [](const std::vector<ContactMesh::Hit>& list) {
+    std::vector<std::pair<std::array<Index, 4>, double>> out;
+    for (const auto& hit : list) out.emplace_back(hit.v, hit.safe);
+    std::sort(out.begin(), out.end());
+    return out;
+  };
+  VertexMatrix X = s.V;
+  int hits = 0;
+  for (int step = 0; step < 40; ++step) {
+    VertexMatrix P = VertexMatrix::Zero(X.rows(), 3);
+    for (Eigen::Index v = 0; v < P.rows(); ++v)
+      if (free[v]) P.row(v) = random_point(random, step % 10 == 9 ? 0.05 : 0.0001 * (step + 1)).transpose();
+    const Eigen::VectorXd now = h * (0.2 + 0.02 * step);
+    ContactMesh fresh(X, s.F, free, s.V, h);
+    mesh.set_mean_edges(now);
+    fresh.set_mean_edges(now);
+    ASSERT_EQ(sorted(mesh.find_contacts(X)), sorted(fresh.find_contacts(X))) << "step " << step;
+    ContactMesh untouched(X, s.F, free, s.V, h);  // has no lists: takes the long way
+    const auto found = mesh.check_step(X, P);
+    ASSERT_EQ(sorted_hits(found), sorted_hits(untouched.check_step(X, P))) << "step " << step;
+    hits += !found.empty();
+    if (found.empty()) X += P;
+  }
+  EXPECT_GT(hits, 0);
+  EXPECT_LT(hits, 35);
 }
 
 TEST(ContactMesh, NoStepPassesThrough) {
