@@ -1,11 +1,13 @@
 #include "src/pipeline/pipeline.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <cstring>
 #include <exception>
 #include <functional>
 #include <new>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -73,6 +75,7 @@ class Run {
 
   Status diagnose();
   bool is_plain() const;
+  std::optional<Error> pinched_vertices() const;
   Status try_routes();
   Status finish_saved();
   Result<TetMesh> mesh_clean();
@@ -128,6 +131,27 @@ bool Run::is_plain() const {
          std::all_of(d.component_volume.begin(), d.component_volume.end(), [](double v) { return v > 0; });
 }
 
+// Why a surface that overlaps itself nowhere (so the solid can only be the region inside) but has two
+// vertices in one place has no mesh: the tets there cannot belong to both.
+// Call only when the immersion route, which tells touching from outside from being pinched, has failed.
+std::optional<Error> Run::pinched_vertices() const {
+  if (found_.diagnosis.winding.max > 1) return std::nullopt;
+  std::vector<Index> order(static_cast<std::size_t>(input_.V.rows()));
+  std::iota(order.begin(), order.end(), 0);
+  const auto position = [&](Index v) {
+    return std::array<double, 3>{input_.V(v, 0), input_.V(v, 1), input_.V(v, 2)};
+  };
+  std::sort(order.begin(), order.end(),
+            [&](Index a, Index b) { return position(a) != position(b) ? position(a) < position(b) : a < b; });
+  for (std::size_t i = 0; i + 1 < order.size(); ++i)
+    if (position(order[i]) == position(order[i + 1]))
+      return Error{ErrorCode::bad_input,
+                   "Vertices " + std::to_string(order[i]) + " and " + std::to_string(order[i + 1]) +
+                       " are at the same point, and the solid has no thickness between them;" +
+                       " move one of them a little."};
+  return std::nullopt;
+}
+
 // The routes in turn, until one leads to a mesh that passes the check.
 Status Run::try_routes() {
   struct Route {
@@ -143,6 +167,10 @@ Status Run::try_routes() {
                     }});
   std::string told;
   for (const Route& route : routes) {
+    // Two independent ways have found that nothing can be glued together: the flows would only take longer.
+    if (!told.empty() && found_.diagnosis.verdict == Verdict::obstructed &&
+        options_.preset == Preset::standard)
+      break;
     Result<TetMesh> mesh = route.run();
     Status done = mesh ? finish(std::move(mesh).value()) : Status(mesh.error());
     if (done) return done;
@@ -151,6 +179,7 @@ Status Run::try_routes() {
         e.code == ErrorCode::bad_input)
       return done;
     context_.note(LogLevel::info, std::string("Route ") + route.name + ": " + e.message);
+    if (const auto pinched = pinched_vertices()) return *pinched;
     told += (told.empty() ? "" : " ") + std::string("Route ") + route.name + ": " + e.message;
   }
   if (!found_.diagnosis.wound.complete()) told = found_.diagnosis.wound.explanation + " " + told;
