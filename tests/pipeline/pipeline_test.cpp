@@ -1,0 +1,259 @@
+#include "src/pipeline/pipeline.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <set>
+
+#include "src/io/surface_io.h"
+#include "src/io/tet_io.h"
+#include "src/verify/verify.h"
+#include "tests/support/files.h"
+#include "tests/support/models.h"
+
+namespace overtet {
+namespace {
+
+using test::TemporaryFolder;
+
+PipelineResult run(const Surface& s, const PipelineOptions& options = {}, int threads = 0) {
+  RunContext context;
+  context.threads = threads;
+  return run_pipeline(s, options, context);
+}
+
+// Everything a user may rely on after success, checked again from outside.
+void expect_mesh(const Surface& s, const PipelineResult& r) {
+  ASSERT_TRUE(r.ok()) << r.report.message;
+  EXPECT_EQ(r.exit_code(), 0);
+  EXPECT_EQ(r.report.status, RunStatus::exact);
+  EXPECT_EQ(r.mesh.surface_vertices, s.V.rows());
+  const VerifyResult v = verify(s, r.mesh);
+  EXPECT_TRUE(v.ok()) << v.summary();
+  EXPECT_EQ(r.report.result_hash, hash_of(r.mesh));
+  ASSERT_TRUE(r.report.quality.has_value());
+  EXPECT_EQ(r.report.quality->tets, r.mesh.T.rows());
+  EXPECT_EQ(r.report.stages.front().name, "diagnose");
+  EXPECT_EQ(r.report.stages.back().name, "verify");
+}
+
+std::set<std::string> stages(const PipelineResult& r) {
+  std::set<std::string> names;
+  for (const StageRecord& s : r.report.stages) names.insert(s.name);
+  return names;
+}
+
+TEST(Pipeline, MeshesWhatDoesNotCrossItself) {
+  for (const Surface& s : {test::sphere(1), test::torus(), test::slab(2), test::box(3), test::capsule(),
+                           test::joined(test::sphere(1), test::sphere(1, 0.5, Eigen::Vector3d(3, 0, 0)))}) {
+    const PipelineResult r = run(s);
+    expect_mesh(s, r);
+    EXPECT_FALSE(stages(r).contains("immersion"));
+  }
+}
+
+TEST(Pipeline, MeshesCavitiesAndNestedComponents) {
+  const Surface cavity = test::sphere_with_cavity();
+  const PipelineResult r = run(cavity);
+  expect_mesh(cavity, r);
+  EXPECT_NEAR(r.report.quality->volume, test::signed_volume(cavity), 1e-12);
+  // A solid inside another one overlaps it; both are meshed.
+  const Surface nested = test::joined(test::sphere(2), test::sphere(1, 0.5));
+  const PipelineResult both = run(nested);
+  expect_mesh(nested, both);
+  EXPECT_EQ(both.report.input.winding_max, 2);
+}
+
+TEST(Pipeline, MeshesWhatCrossesItself) {
+  const std::pair<const char*, Surface> models[] = {{"worm", test::curled_worm()},
+                                                    {"slab", test::bent_slab()},
+                                                    {"spheres", test::two_spheres()},
+                                                    {"long worm", test::curled_worm(800, 12, 0.2)},
+                                                    {"elbow", test::elbow(150)}};
+  for (const auto& [name, s] : models) {
+    SCOPED_TRACE(name);
+    const PipelineResult r = run(s);
+    EXPECT_GT(r.report.input.pairs, 0);
+    EXPECT_GE(r.report.input.winding_max.value_or(0), 2);
+    expect_mesh(s, r);
+    EXPECT_NEAR(r.report.quality ? r.report.quality->volume : 0, test::signed_volume(s), 1e-9);
+  }
+}
+
+TEST(Pipeline, TheFlowRouteMeshesToo) {
+  PipelineOptions options;
+  options.preset = Preset::flow;
+  const Surface s = test::curled_worm(390, 12);
+  const PipelineResult r = run(s, options);
+  expect_mesh(s, r);
+  for (const char* name : {"forward_flow", "reverse_flow", "tet_mesh", "volume_map"})
+    EXPECT_TRUE(stages(r).contains(name));
+}
+
+TEST(Pipeline, SaysWhyThereIsNoMesh) {
+  const PipelineResult saucer = run(test::saucer());
+  EXPECT_EQ(saucer.exit_code(), 5);
+  ASSERT_TRUE(saucer.report.witness && saucer.report.witness->point);
+  EXPECT_LT(saucer.report.witness->winding, 0);
+  EXPECT_EQ(saucer.mesh.T.rows(), 0);
+  EXPECT_EQ(run(test::flipped(test::sphere())).exit_code(), 5);
+
+  Surface open = test::sphere();
+  open.F.conservativeResize(open.F.rows() - 1, 3);
+  EXPECT_EQ(run(open).exit_code(), 3);
+  Surface needle = test::sphere();
+  needle.V.row(needle.F(0, 0)) = (needle.V.row(needle.F(0, 1)) + needle.V.row(needle.F(0, 2))) / 2;
+  EXPECT_EQ(run(needle).exit_code(), 3);
+  EXPECT_EQ(
+      run(test::transformed(test::sphere(), 1e-200 * Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero()))
+          .exit_code(),
+      3);
+  EXPECT_EQ(run(Surface{}).exit_code(), 3);
+  Surface out_of_range = test::sphere();
+  out_of_range.F(3, 1) = 100000;
+  EXPECT_EQ(run(out_of_range).exit_code(), 3);
+  PipelineOptions options;
+  options.improve_degrees = -1;
+  EXPECT_EQ(run(test::sphere(), options).exit_code(), 2);
+}
+
+TEST(Pipeline, SameBytesOnAnyNumberOfThreads) {
+  for (const Preset preset : {Preset::standard, Preset::flow}) {
+    PipelineOptions options;
+    options.preset = preset;
+    const Surface s = test::curled_worm(390, 10);
+    std::set<std::string> hashes;
+    for (const int threads : {1, 2, 3, 8}) hashes.insert(run(s, options, threads).report.result_hash);
+    EXPECT_EQ(hashes.size(), 1u);
+    EXPECT_NE(*hashes.begin(), "");
+  }
+}
+
+TEST(Pipeline, ScalingByAPowerOfTwoScalesTheMesh) {
+  const Surface s = test::curled_worm(400, 10);
+  const PipelineResult a = run(s);
+  Surface big = s;
+  big.V *= 0x1p30;
+  const PipelineResult b = run(big);
+  ASSERT_TRUE(a.ok() && b.ok());
+  EXPECT_EQ(a.mesh.T, b.mesh.T);
+  EXPECT_EQ(VertexMatrix(a.mesh.V * 0x1p30), b.mesh.V);
+}
+
+TEST(Pipeline, NeitherNumberingNorPlaceMatters) {
+  const std::uint64_t seed = 99;
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  const Surface s = test::curled_worm(400, 10);
+  const Surface other = test::permuted(s, seed);
+  expect_mesh(other, run(other));
+  const Surface moved = test::transformed(s, test::some_rotation(seed), Eigen::Vector3d(100, -20, 3));
+  expect_mesh(moved, run(moved));
+  // Thin as a sheet of paper.
+  Surface thin = s;
+  thin.V.col(2) *= 1e-6;
+  expect_mesh(thin, run(thin));
+}
+
+TEST(Pipeline, StagesAreSavedAndResumed) {
+  const TemporaryFolder folder;
+  const Surface s = test::curled_worm(390, 12);
+  PipelineOptions save;
+  save.preset = Preset::flow;
+  save.save_stages = folder.file("stages");
+  const PipelineResult first = run(s, save);
+  ASSERT_TRUE(first.ok()) << first.report.message;
+  const auto file = [&](const std::string& name) { return save.save_stages + "/" + name; };
+  for (const char* name : {"flow_end.ply", "embedded.ply"}) {
+    const Result<Surface> stage = read_surface(file(name));
+    ASSERT_TRUE(stage.ok());
+    EXPECT_EQ(stage.value().F, s.F);
+  }
+  for (const char* name : {"tet_mesh.vtu", "mapped.vtu"}) EXPECT_TRUE(read_tets(file(name)).ok());
+
+  PipelineOptions resume;
+  resume.preset = Preset::flow;
+  resume.resume = save.save_stages;
+  const PipelineResult again = run(s, resume);
+  ASSERT_TRUE(again.ok()) << again.report.message;
+  EXPECT_EQ(again.report.result_hash, first.report.result_hash);
+  EXPECT_FALSE(stages(again).contains("volume_map"));
+
+  // Without the last state the one before is taken.
+  const auto without = [&](const std::string& name) {
+    std::string index = test::read_text(file("stages.json"));
+    const auto at = index.find("\"" + name + "\"");
+    ASSERT_NE(at, std::string::npos);
+    test::write_text(file("stages.json"), index.replace(at, name.size() + 2, "\"gone\""));
+  };
+  without("mapped");
+  const PipelineResult mapped = run(s, resume);
+  EXPECT_EQ(mapped.report.result_hash, first.report.result_hash);
+  EXPECT_TRUE(stages(mapped).contains("volume_map"));
+  EXPECT_FALSE(stages(mapped).contains("reverse_flow"));
+
+  EXPECT_EQ(run(test::curled_worm(391, 12), resume).exit_code(), 3);
+  resume.resume = folder.file("nowhere");
+  EXPECT_EQ(run(s, resume).exit_code(), 7);
+
+  // The immersion route leaves its own states.
+  save.preset = Preset::standard;
+  save.save_stages = folder.file("immersion");
+  ASSERT_TRUE(run(s, save).ok());
+  EXPECT_TRUE(read_surface(file("arrangement.ply")).ok());
+  EXPECT_TRUE(read_tets(file("cover.vtu")).ok());
+}
+
+TEST(Pipeline, DamagedStagesAreRefused) {
+  const TemporaryFolder folder;
+  const Surface s = test::curled_worm(390, 12);
+  PipelineOptions options;
+  options.save_stages = folder.file("stages");
+  ASSERT_TRUE(run(s, options).ok());
+  TetMesh m = read_tets(options.save_stages + "/mapped.vtu").value();
+  m.V.row(m.V.rows() - 1) += Eigen::RowVector3d(10, 0, 0);
+  ASSERT_TRUE(write_tets(options.save_stages + "/mapped.vtu", m, TetFormat::vtu).ok());
+  PipelineOptions resume;
+  resume.resume = options.save_stages;
+  EXPECT_EQ(run(s, resume).exit_code(), 3);
+}
+
+TEST(Pipeline, StopsWhenItShould) {
+  const Surface s = test::curled_worm();
+  RunContext context;
+  std::atomic<bool> cancel{true};
+  context.cancel = &cancel;
+  EXPECT_EQ(run_pipeline(s, {}, context).exit_code(), 130);
+  context = {};
+  context.deadline = RunContext::Clock::now();
+  EXPECT_EQ(run_pipeline(s, {}, context).exit_code(), 6);
+  context = {};
+  context.memory_limit_bytes = 1 << 20;
+  const PipelineResult r = run_pipeline(s, {}, context);
+  EXPECT_EQ(r.exit_code(), 6);
+  EXPECT_NE(r.error.message.find("memory"), std::string::npos);
+}
+
+// Cancelled at many different moments: always 130 or done, never something in between.
+TEST(Pipeline, CanBeCancelledAtAnyMoment) {
+  const Surface s = test::curled_worm(400, 12);
+  for (const Preset preset : {Preset::standard, Preset::flow})
+    for (int calls = 1; calls < 40; calls += 4) {
+      RunContext context;
+      std::atomic<bool> cancel{false};
+      std::atomic<int> count{0};
+      context.cancel = &cancel;
+      context.progress = [&](std::string_view, double, std::string_view) {
+        if (++count >= calls) cancel = true;
+      };
+      PipelineOptions options;
+      options.preset = preset;
+      const PipelineResult r = run_pipeline(s, options, context);
+      EXPECT_TRUE(r.exit_code() == 130 || r.ok()) << r.report.message;
+      EXPECT_EQ(r.mesh.T.rows() > 0, r.ok());
+      if (r.ok()) break;
+    }
+}
+
+}  // namespace
+}  // namespace overtet
