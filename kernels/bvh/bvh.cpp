@@ -11,7 +11,7 @@ namespace {
 
 constexpr Index kLeafSize = 4;
 constexpr int kBins = 16;
-constexpr Index kParallelBuild = 8192;    // faces; smaller subtrees are built by one thread
+constexpr Index kParallelBuild = 8192;  // faces; smaller subtrees are built by one thread
 constexpr std::int64_t kFaceGrain = 4096;
 constexpr std::size_t kSelfTasks = 1024;  // enough to keep any number of cores busy to the end
 
@@ -46,7 +46,7 @@ struct Bounds {
 // One subtree over order[begin, end). Written with gaps: the subtree of n faces at node s owns the slots
 // [s, s + 2 n - 1), so that two threads can write at once; the gaps are squeezed out afterwards.
 struct Builder {
-  const std::vector<Box>& box;                     // per face
+  const std::vector<Box>& box;                      // per face
   const std::vector<std::array<float, 3>>& centre;  // per face, doubled
   std::vector<Index>& order;
   std::vector<Box>& slot;
@@ -65,7 +65,8 @@ struct Builder {
     slot[s].a = static_cast<std::int32_t>(right);
     slot[s].b = 0;
     if (n > kParallelBuild) {
-      parallel_invoke([&] { run(begin, middle, s + 1, depth + 1); }, [&] { run(middle, end, right, depth + 1); });
+      parallel_invoke([&] { run(begin, middle, s + 1, depth + 1); },
+                      [&] { run(middle, end, right, depth + 1); });
     } else {
       run(begin, middle, s + 1, depth + 1);
       run(middle, end, right, depth + 1);
@@ -82,9 +83,10 @@ struct Builder {
     const float low = spread.lo[axis], extent = spread.hi[axis] - low;
     // Infinite boxes (coordinates beyond floats), equal centres, or a degenerating tree: halve the list.
     if (!(extent > 0) || !std::isfinite(extent) || depth > 64) {
-      std::nth_element(order.begin() + begin, order.begin() + half, order.begin() + end, [&](Index x, Index y) {
-        return centre[x][axis] != centre[y][axis] ? centre[x][axis] < centre[y][axis] : x < y;
-      });
+      std::nth_element(
+          order.begin() + begin, order.begin() + half, order.begin() + end, [&](Index x, Index y) {
+            return centre[x][axis] != centre[y][axis] ? centre[x][axis] < centre[y][axis] : x < y;
+          });
       return half;
     }
     const float scale = kBins / extent;

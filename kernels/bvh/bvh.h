@@ -195,10 +195,10 @@ class TriangleBvh {
     }
   }
 
-  std::vector<Box> nodes_;                        // depth first, children after parents
-  std::vector<Box> boxes_;                        // of the faces, in leaf order; a: the face
-  std::vector<Index> face_;                       // leaf order -> face
-  std::vector<std::array<Index, 3>> corners_;     // in leaf order
+  std::vector<Box> nodes_;                     // depth first, children after parents
+  std::vector<Box> boxes_;                     // of the faces, in leaf order; a: the face
+  std::vector<Index> face_;                    // leaf order -> face
+  std::vector<std::array<Index, 3>> corners_;  // in leaf order
 };
 
 template <class Visit>
@@ -228,7 +228,8 @@ void TriangleBvh::query_box(const double* lo, const double* hi, Visit&& visit) c
 }
 
 template <class Visit>
-void TriangleBvh::query_ray(const double* origin, const double* direction, double slack, Visit&& visit) const {
+void TriangleBvh::query_ray(const double* origin, const double* direction, double slack,
+                            Visit&& visit) const {
   if (nodes_.empty()) return;
   const auto meets = [&](const Box& x) {
     double near = 0, far = 1e308;

@@ -26,13 +26,14 @@ std::vector<FacePair> find_self_intersections(const VertexMatrix& V, const Trian
   return find_self_intersections(V, F, bvh, options);
 }
 
-std::vector<FacePair> find_self_intersections(const VertexMatrix& V, const TriangleMatrix& F, TriangleBvh& bvh,
-                                              const SelfIntersectionOptions& options) {
+std::vector<FacePair> find_self_intersections(const VertexMatrix& V, const TriangleMatrix& F,
+                                              TriangleBvh& bvh, const SelfIntersectionOptions& options) {
   if (!options.active.empty()) bvh.set_active(options.active);
   const double* points = V.data();
   const Index* faces = F.data();
   const auto visit = [&](Index f, Index g, std::vector<FacePair>& out) {
-    if (faces_intersect(points, faces + 3 * std::int64_t{f}, faces + 3 * std::int64_t{g})) out.emplace_back(f, g);
+    if (faces_intersect(points, faces + 3 * std::int64_t{f}, faces + 3 * std::int64_t{g}))
+      out.emplace_back(f, g);
   };
   std::vector<FacePair> pairs;
   if (options.stop_at_first)
@@ -47,7 +48,8 @@ std::vector<FacePair> still_intersecting(const VertexMatrix& V, const TriangleMa
                                          const std::vector<FacePair>& pairs) {
   std::vector<FacePair> out;
   for (const FacePair& pair : pairs)
-    if (faces_intersect(V.data(), F.data() + 3 * std::int64_t{pair.first}, F.data() + 3 * std::int64_t{pair.second}))
+    if (faces_intersect(V.data(), F.data() + 3 * std::int64_t{pair.first},
+                        F.data() + 3 * std::int64_t{pair.second}))
       out.push_back(pair);
   return out;
 }

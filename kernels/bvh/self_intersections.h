@@ -32,8 +32,8 @@ std::vector<FacePair> find_self_intersections(const VertexMatrix& V, const Trian
 
 // The same with a tree that was built for F and refitted to V (with or without padding). Changes the
 // tree's active mask only when the options name one.
-std::vector<FacePair> find_self_intersections(const VertexMatrix& V, const TriangleMatrix& F, TriangleBvh& bvh,
-                                              const SelfIntersectionOptions& options = {});
+std::vector<FacePair> find_self_intersections(const VertexMatrix& V, const TriangleMatrix& F,
+                                              TriangleBvh& bvh, const SelfIntersectionOptions& options = {});
 
 // Those of the given pairs that intersect, in their order; to look at the last hits first.
 std::vector<FacePair> still_intersecting(const VertexMatrix& V, const TriangleMatrix& F,

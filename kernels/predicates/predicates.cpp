@@ -240,8 +240,7 @@ int orient3d_slow(const double* a, const double* b, const double* c, const doubl
 int orient2d_slow(double ax, double ay, double bx, double by, double cx, double cy) {
   const Difference px = difference(bx, ax), py = difference(by, ay);
   const Difference qx = difference(cx, ax), qy = difference(cy, ay);
-  if (safe(px) && safe(py) && safe(qx) && safe(qy))
-    return add(multiply(px, qy), multiply(py, qx), -1).sign();
+  if (safe(px) && safe(py) && safe(qx) && safe(qy)) return add(multiply(px, qy), multiply(py, qx), -1).sign();
   return sign_of((Rational(bx) - Rational(ax)) * (Rational(cy) - Rational(ay)) -
                  (Rational(by) - Rational(ay)) * (Rational(cx) - Rational(ax)));
 }

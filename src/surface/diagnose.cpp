@@ -9,12 +9,12 @@ namespace overtet {
 
 namespace {
 
+constexpr double kCheckableOpening = 1e-9;  // radians; see Hinge::opening
+
 class Stopwatch {
  public:
   explicit Stopwatch(double& into) : into_(into), start_(std::chrono::steady_clock::now()) {}
-  ~Stopwatch() {
-    into_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
+  ~Stopwatch() { into_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
 
  private:
   double& into_;
@@ -35,7 +35,8 @@ void measure_components(const Surface& surface, Diagnosis& d) {
   d.component_volume.assign(d.topology.topology.components.size(), 0);
   const Eigen::RowVector3d centre = surface.V.colwise().mean();
   for (Index f = 0; f < surface.F.rows(); ++f) {
-    const Eigen::RowVector3d a = surface.V.row(surface.F(f, 0)) - centre, b = surface.V.row(surface.F(f, 1)) - centre,
+    const Eigen::RowVector3d a = surface.V.row(surface.F(f, 0)) - centre,
+                             b = surface.V.row(surface.F(f, 1)) - centre,
                              c = surface.V.row(surface.F(f, 2)) - centre;
     d.component_volume[d.topology.topology.component_of_face[f]] += a.dot(b.cross(c)) / 6;
   }
@@ -51,27 +52,50 @@ void count_shared(const Surface& surface, Diagnosis& d) {
   }
 }
 
+// The vertex with B0 < 0 that is easiest to check: the one farthest from a fold, where rounded angles give
+// the same integer. A fold itself proves as much but is no certificate for a checker that rounds.
+void find_vertex_witness(Diagnosis& d) {
+  double opening = kCheckableOpening;
+  for (const Hinge& h : d.hinges) {
+    if (!h.B0 || *h.B0 >= 0) continue;
+    if (h.opening > opening) {
+      opening = h.opening;
+      d.vertex_witness = VertexWitness{h.vertex, *h.B0};
+    } else if (h.opening <= kCheckableOpening) {
+      d.folded_vertex = h.vertex;
+    }
+  }
+}
+
 // The verdict of a surface whose topology and faces are fine.
 void decide(Diagnosis& d) {
   if (d.winding.witness) {
     const WindingWitness& w = *d.winding.witness;
     d.verdict = Verdict::infeasible;
-    d.message = "No positive mesh exists: the winding number at (" + number(w.point[0]) + ", " + number(w.point[1]) +
-                ", " + number(w.point[2]) + ") is " + std::to_string(w.winding) +
+    d.message = "No positive mesh exists: the winding number at (" + number(w.point[0]) + ", " +
+                number(w.point[1]) + ", " + number(w.point[2]) + ") is " + std::to_string(w.winding) +
                 ", and positive tets only ever add winding.";
     return;
   }
   if (d.winding.min < 0) {
     d.verdict = Verdict::infeasible;
-    d.message = "No positive mesh exists: the winding number is negative somewhere, but no point could be named.";
+    d.message =
+        "No positive mesh exists: the winding number is negative somewhere, but no point could be named.";
   }
   if (d.vertex_witness) {
     d.verdict = Verdict::infeasible;
-    d.message = "No positive mesh exists: at vertex " + std::to_string(d.vertex_witness->vertex) + " the integer B0 is " +
-                std::to_string(d.vertex_witness->B0) + ", and no positive tets fill the space around such a vertex.";
+    d.message = "No positive mesh exists: at vertex " + std::to_string(d.vertex_witness->vertex) +
+                " the integer B0 is " + std::to_string(d.vertex_witness->B0) +
+                ", and no positive tets fill the space around such a vertex.";
     return;
   }
   if (d.verdict == Verdict::infeasible) return;
+  if (d.folded_vertex >= 0) {
+    d.verdict = Verdict::obstructed;
+    d.message = "No positive mesh exists: at vertex " + std::to_string(d.folded_vertex) +
+                " two faces lie flat on each other (or as good as), with no room for a tet between them.";
+    return;
+  }
   if (!d.wound.odd_groups.empty()) {
     d.verdict = Verdict::obstructed;
     d.message = d.wound.explanation;
@@ -102,7 +126,8 @@ void advise(Diagnosis& d) {
           " is in it) faces inwards: right for a cavity inside another component, else reverse its faces.");
   if (d.verdict == Verdict::infeasible && d.winding.negative_pairs > 0)
     say("The surface is inside out in " + std::to_string(d.winding.negative_pairs) +
-        " places where faces cross: one part pokes out through the far side of another, or a crease is turned "
+        " places where faces cross: one part pokes out through the far side of another, or a crease is "
+        "turned "
         "inside out. Move it back until it stays inside.");
   if (d.verdict == Verdict::infeasible && d.winding.negative_pairs == 0 && d.winding.witness)
     say("A whole component faces inwards where nothing surrounds it: reverse its faces.");
@@ -127,16 +152,22 @@ void advise(Diagnosis& d) {
 
 const char* verdict_name(Verdict verdict) {
   switch (verdict) {
-    case Verdict::bad_input: return "bad-input";
-    case Verdict::embedded: return "embedded";
-    case Verdict::feasible: return "feasible";
-    case Verdict::infeasible: return "infeasible";
-    case Verdict::obstructed: return "obstructed";
+    case Verdict::bad_input:
+      return "bad-input";
+    case Verdict::embedded:
+      return "embedded";
+    case Verdict::feasible:
+      return "feasible";
+    case Verdict::infeasible:
+      return "infeasible";
+    case Verdict::obstructed:
+      return "obstructed";
   }
   return "";
 }
 
-Result<Diagnosis> diagnose(const Surface& surface, const DiagnoseOptions& options, const RunContext& context) {
+Result<Diagnosis> diagnose(const Surface& surface, const DiagnoseOptions& options,
+                           const RunContext& context) {
   if (Status valid = options.validate(); !valid.ok()) return valid.error();
   const ScopedThreads threads(context.threads);
   Diagnosis d;
@@ -152,10 +183,12 @@ Result<Diagnosis> diagnose(const Surface& surface, const DiagnoseOptions& option
       d.message = d.topology.problems.front();
     } else {
       const Index f = d.degenerate_faces.front();
-      d.message = "Face " + std::to_string(f) + " (vertices " + std::to_string(surface.F(f, 0)) + ", " +
-                  std::to_string(surface.F(f, 1)) + ", " + std::to_string(surface.F(f, 2)) +
-                  ", counted from 0) has no area, and no tet of positive volume has such a face" +
-                  (d.degenerate_faces.size() > 1 ? "; there are " + std::to_string(d.degenerate_faces.size()) + "." : ".");
+      d.message =
+          "Face " + std::to_string(f) + " (vertices " + std::to_string(surface.F(f, 0)) + ", " +
+          std::to_string(surface.F(f, 1)) + ", " + std::to_string(surface.F(f, 2)) +
+          ", counted from 0) has no area, and no tet of positive volume has such a face" +
+          (d.degenerate_faces.size() > 1 ? "; there are " + std::to_string(d.degenerate_faces.size()) + "."
+                                         : ".");
     }
     advise(d);
     return d;
@@ -177,8 +210,7 @@ Result<Diagnosis> diagnose(const Surface& surface, const DiagnoseOptions& option
   {
     const Stopwatch time(d.times.hinges);
     d.hinges = find_hinges(surface, topology, *bvh, d.pairs);
-    for (const Hinge& h : d.hinges)
-      if (h.B0 && *h.B0 < 0 && !d.vertex_witness) d.vertex_witness = VertexWitness{h.vertex, *h.B0};
+    find_vertex_witness(d);
   }
   context.report("diagnose", 0.5, std::to_string(d.hinges.size()) + " hinges");
   {
@@ -192,7 +224,8 @@ Result<Diagnosis> diagnose(const Surface& surface, const DiagnoseOptions& option
   {
     const Stopwatch time(d.times.wound_edges);
     d.pierced_edges = find_pierced_edges(surface, topology, d.pairs);
-    if (options.wound_edges && !d.winding.witness && !d.vertex_witness && !d.hinges.empty()) {
+    if (options.wound_edges && !d.winding.witness && !d.vertex_witness && d.folded_vertex < 0 &&
+        !d.hinges.empty()) {
       auto wound = assign_wound_edges(surface, topology, *bvh, d.hinges, d.pierced_edges, context);
       if (!wound.ok()) return wound.error();
       d.wound = std::move(wound).value();

@@ -31,7 +31,8 @@ enum class Verdict {
   embedded,    // no two faces intersect and the winding is right: a plain tet mesh will do
   feasible,    // passes through itself; nothing that forbids a mesh was found
   infeasible,  // a point of negative winding, or a vertex with B0 < 0: certified
-  obstructed   // the hinges' equations have no solution on legal edges, proven by odd_groups; no such point
+  obstructed   // no mesh exists either, but the proof is none of these two: the hinges' equations have no
+               // solution on legal edges (odd_groups), or B0 < 0 at a fold (folded_vertex)
 };
 const char* verdict_name(Verdict verdict);
 
@@ -49,7 +50,7 @@ struct Diagnosis {
   Verdict verdict = Verdict::bad_input;
   std::string message;  // one sentence: why the verdict
   Index vertices = 0, faces = 0;
-  TopologyCheck topology;  // flags, problems; with the adjacency when they are fine
+  TopologyCheck topology;                // flags, problems; with the adjacency when they are fine
   std::vector<double> component_volume;  // signed, as the faces turn; negative: the component faces inwards
   std::vector<Index> degenerate_faces;
   std::vector<FacePair> pairs;  // sorted
@@ -58,6 +59,7 @@ struct Diagnosis {
   std::vector<PiercedEdge> pierced_edges;
   WindingRange winding;  // with the point of negative winding
   std::optional<VertexWitness> vertex_witness;
+  Index folded_vertex = -1;  // a vertex with B0 < 0 where doubles cannot tell a dihedral of 0 from 2 pi
   WoundEdges wound;
   std::vector<std::string> advice;  // sentences for a person
   DiagnosisTimes times;

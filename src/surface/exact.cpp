@@ -10,7 +10,9 @@ double det(const Near& a, const Near& b, const Near& c) {
   return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
          a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
-double largest(const Near& a) { return std::max(std::max(std::fabs(a[0]), std::fabs(a[1])), std::fabs(a[2])); }
+double largest(const Near& a) {
+  return std::max(std::max(std::fabs(a[0]), std::fabs(a[1])), std::fabs(a[2]));
+}
 
 // Signs do not change when a vector is multiplied by a positive number, so the exact path needs integers
 // only: no fractions, no common divisors.
@@ -20,7 +22,9 @@ Whole cross(const Whole& a, const Whole& b) {
   return {mpz_class(a[1] * b[2] - a[2] * b[1]), mpz_class(a[2] * b[0] - a[0] * b[2]),
           mpz_class(a[0] * b[1] - a[1] * b[0])};
 }
-int dot_sign(const Whole& a, const Whole& b) { return sgn(mpz_class(a[0] * b[0] + a[1] * b[1] + a[2] * b[2])); }
+int dot_sign(const Whole& a, const Whole& b) {
+  return sgn(mpz_class(a[0] * b[0] + a[1] * b[1] + a[2] * b[2]));
+}
 int det_sign(const Whole& a, const Whole& b, const Whole& c) { return dot_sign(a, cross(b, c)); }
 
 // v = numerator / denominator.
@@ -65,7 +69,8 @@ void seen_from(const Homogeneous& m, const double* const* corner, Whole* out) {
   }
 }
 
-void make_exact(std::optional<Homogeneous>& start, std::optional<Homogeneous>& line, const Point& m, const Point& d) {
+void make_exact(std::optional<Homogeneous>& start, std::optional<Homogeneous>& line, const Point& m,
+                const Point& d) {
   if (start) return;
   start.emplace(m.x);
   line.emplace(d.x);
@@ -183,7 +188,8 @@ double Rays::height(const Point& m, Index f, double& error) const {
   const double *a = corner(f, 0), *b = corner(f, 1), *c = corner(f, 2);
   Near u, v, w;
   for (int k = 0; k < 3; ++k) u[k] = b[k] - a[k], v[k] = c[k] - a[k], w[k] = m.near[k] - a[k];
-  const double S = std::max(scale_, largest(m.near)), M = std::max(std::max(largest(u), largest(v)), largest(w));
+  const double S = std::max(scale_, largest(m.near)),
+               M = std::max(std::max(largest(u), largest(v)), largest(w));
   error = filter_ ? M * M * (1e-14 * M + 1e-14 * S) + 1e-290 : HUGE_VAL;
   return det(u, v, w);
 }
@@ -264,7 +270,8 @@ std::vector<Index> Rays::faces_at(const Point& m) const {
     const Whole ab = cross(p[0], p[1]);
     if (dot_sign(ab, p[2]) != 0) return;
     const Whole bc = cross(p[1], p[2]), ca = cross(p[2], p[0]);
-    const Whole n{mpz_class(ab[0] + bc[0] + ca[0]), mpz_class(ab[1] + bc[1] + ca[1]), mpz_class(ab[2] + bc[2] + ca[2])};
+    const Whole n{mpz_class(ab[0] + bc[0] + ca[0]), mpz_class(ab[1] + bc[1] + ca[1]),
+                  mpz_class(ab[2] + bc[2] + ca[2])};
     if (dot_sign(n, ab) >= 0 && dot_sign(n, bc) >= 0 && dot_sign(n, ca) >= 0) out.push_back(f);
   });
   std::sort(out.begin(), out.end());

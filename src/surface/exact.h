@@ -87,7 +87,7 @@ class Rays {
   const double* corner(Index f, int k) const { return V_.data() + 3 * std::int64_t{F_(f, k)}; }
   const TriangleMatrix& F() const { return F_; }
   const VertexMatrix& V() const { return V_; }
-  Vec normal(Index f) const;                        // (b - a) x (c - a), exact
+  Vec normal(Index f) const;                         // (b - a) x (c - a), exact
   std::array<double, 3> unit_normal(Index f) const;  // in doubles, for choosing directions only
 
  private:

@@ -51,19 +51,20 @@ struct Ring {
   int size() const { return static_cast<int>(half_edges.size()); }
 };
 
-std::optional<int> b0(const Surface& surface, const Rays& rays, const Ring& ring) {
+std::optional<int> b0(const Surface& surface, const Rays& rays, const Ring& ring, double* opening = nullptr) {
   const int n = ring.size();
   const double* p = surface.V.data() + 3 * std::int64_t{ring.vertex};
   const auto end = [&](int i) { return surface.V.data() + 3 * std::int64_t{ring.ends[(i + n) % n]}; };
   const auto direction = [&](int i) -> const Real3& { return ring.directions[(i + n) % n]; };
 
-  Real turn = 0;
+  Real turn = 0, least = kPi;
   for (int i = 0; i < n; ++i) {
     const Real3 &e = direction(i), &after = direction(i + 1), &before = direction(i - 1);
     const Real3 u = cross(e, after), w = cross(e, before);  // as long as the parts across e
     const Real cosine = dot(u, w), sine = std::sqrt(dot(cross(u, w), cross(u, w)));
     const int side = orient3d(p, end(i), end(i + 1), end(i - 1));
     Real theta = std::atan2(sine, cosine);
+    least = std::min(least, side == 0 && cosine > 0 ? 0 : theta);
     if (side == 0) {
       theta = cosine > 0 ? 2 * kPi : kPi;  // a fold shows no angle at all; a mesh needs one above 0
     } else if (side > 0) {
@@ -71,6 +72,7 @@ std::optional<int> b0(const Surface& surface, const Rays& rays, const Ring& ring
     }
     turn += kPi - theta;
   }
+  if (opening) *opening = static_cast<double>(least);
 
   // Candidates for the direction that counts as outside: the farther from the link's arcs the better.
   std::vector<Real3> normals;
@@ -82,7 +84,8 @@ std::optional<int> b0(const Surface& surface, const Rays& rays, const Ring& ring
   }
   std::vector<std::pair<Real, Real3>> candidates;
   for (int c = 0; c < 40; ++c) {
-    Real3 d = c == 0 ? mean : Real3{exact::scatter(3 * c), exact::scatter(5 * c + 1), exact::scatter(7 * c + 2)};
+    Real3 d =
+        c == 0 ? mean : Real3{exact::scatter(3 * c), exact::scatter(5 * c + 1), exact::scatter(7 * c + 2)};
     if (!(dot(d, d) > 1e-6)) continue;
     d = unit(d);
     Real clearance = 1;
@@ -159,8 +162,8 @@ std::optional<int> vertex_b0(const Surface& surface, const SurfaceTopology& topo
   return b0(surface, rays, Ring(surface, topology, vertex));
 }
 
-std::vector<Hinge> find_hinges(const Surface& surface, const SurfaceTopology& topology, const TriangleBvh& bvh,
-                               const std::vector<FacePair>& pairs) {
+std::vector<Hinge> find_hinges(const Surface& surface, const SurfaceTopology& topology,
+                               const TriangleBvh& bvh, const std::vector<FacePair>& pairs) {
   struct At {
     Index vertex;
     FacePair pair;
@@ -169,7 +172,8 @@ std::vector<Hinge> find_hinges(const Surface& surface, const SurfaceTopology& to
   for (const FacePair& pair : pairs)
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j)
-        if (surface.F(pair.first, i) == surface.F(pair.second, j)) at.push_back({surface.F(pair.first, i), pair});
+        if (surface.F(pair.first, i) == surface.F(pair.second, j))
+          at.push_back({surface.F(pair.first, i), pair});
   std::stable_sort(at.begin(), at.end(), [](const At& a, const At& b) { return a.vertex < b.vertex; });
   std::vector<Hinge> hinges;
   for (const At& x : at) {
@@ -183,7 +187,7 @@ std::vector<Hinge> find_hinges(const Surface& surface, const SurfaceTopology& to
   parallel_for(static_cast<std::int64_t>(hinges.size()), 1, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) {
       const Ring ring(surface, topology, hinges[i].vertex);
-      hinges[i].B0 = b0(surface, rays, ring);
+      hinges[i].B0 = b0(surface, rays, ring, &hinges[i].opening);
       hinges[i].covering = smallest_around(surface, rays, ring, hinges[i].crossings).value_or(0);
     }
   });
@@ -204,7 +208,8 @@ std::vector<PiercedEdge> find_pierced_edges(const Surface& surface, const Surfac
       // A corner in common: the rest of the edge meets the face only when it runs in its plane.
       if (at_s && orient3d(a, b, c, point(t)) != 0) continue;
       if (at_t && orient3d(a, b, c, point(s)) != 0) continue;
-      if (segment_triangle_intersect(point(s), point(t), a, b, c)) found.emplace_back(edge_of(topology, h), g);
+      if (segment_triangle_intersect(point(s), point(t), a, b, c))
+        found.emplace_back(edge_of(topology, h), g);
     }
   };
   for (const auto& [f, g] : pairs) {
@@ -227,8 +232,10 @@ std::optional<std::vector<int>> edge_levels(const Surface& surface, const Surfac
   const Rays rays(surface.V, surface.F, bvh);
   const auto point = [&](Index v) { return surface.V.data() + 3 * std::int64_t{v}; };
   const Index twin = topology.twin[half_edge];
-  const double *pa = point(half_edge_source(surface.F, half_edge)), *pb = point(half_edge_target(surface.F, half_edge));
-  const double *pc = point(half_edge_opposite(surface.F, half_edge)), *pd = point(half_edge_opposite(surface.F, twin));
+  const double *pa = point(half_edge_source(surface.F, half_edge)),
+               *pb = point(half_edge_target(surface.F, half_edge));
+  const double *pc = point(half_edge_opposite(surface.F, half_edge)),
+               *pd = point(half_edge_opposite(surface.F, twin));
   std::vector<Index> own{half_edge_face(half_edge), half_edge_face(twin)};
   std::sort(own.begin(), own.end());
   const Vec a = exact::vec(pa), e = exact::vec(pb) - a, c = exact::vec(pc) - a, d = exact::vec(pd) - a;
@@ -290,8 +297,9 @@ std::optional<std::vector<int>> edge_levels(const Surface& surface, const Surfac
   return levels;
 }
 
-std::optional<int> edge_capacity(const Surface& surface, const SurfaceTopology& topology, const TriangleBvh& bvh,
-                                 Index half_edge, const std::vector<Index>& piercing) {
+std::optional<int> edge_capacity(const Surface& surface, const SurfaceTopology& topology,
+                                 const TriangleBvh& bvh, Index half_edge,
+                                 const std::vector<Index>& piercing) {
   const auto levels = edge_levels(surface, topology, bvh, half_edge, piercing);
   if (!levels || levels->empty()) return std::nullopt;
   return *std::min_element(levels->begin(), levels->end());

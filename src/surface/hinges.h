@@ -34,14 +34,17 @@ struct Hinge {
   // The integer of the theory; none where it is not defined: a face of another part of the surface
   // contains the vertex. A fold (two faces flat on each other at their edge) counts as 2 pi: 0 has no mesh.
   std::optional<int> B0;
+  // How far the dihedral nearest to a fold is from 0 or 2 pi, in radians; 0 for a fold. Below about 1e-9
+  // doubles cannot tell the two apart, and B0 computed from rounded angles may come out wrong by one.
+  double opening = 0;
   // The largest possible c_p: the smallest winding number around p. Negative where the winding is.
   int covering = 0;
   std::vector<FacePair> crossings;  // faces at the vertex that intersect beyond it, or are folded at an edge
 };
 
 // The pairs' hinges by vertex number, with their integers. pairs: all intersecting pairs of the surface.
-std::vector<Hinge> find_hinges(const Surface& surface, const SurfaceTopology& topology, const TriangleBvh& bvh,
-                               const std::vector<FacePair>& pairs);
+std::vector<Hinge> find_hinges(const Surface& surface, const SurfaceTopology& topology,
+                               const TriangleBvh& bvh, const std::vector<FacePair>& pairs);
 
 // B0 of any vertex (0 for an embedded one that nothing covers).
 std::optional<int> vertex_b0(const Surface& surface, const SurfaceTopology& topology, const TriangleBvh& bvh,
@@ -65,7 +68,7 @@ std::optional<std::vector<int>> edge_levels(const Surface& surface, const Surfac
                                             const std::vector<Index>& piercing);
 
 // The smallest of them: what bounds k_e.
-std::optional<int> edge_capacity(const Surface& surface, const SurfaceTopology& topology, const TriangleBvh& bvh,
-                                 Index half_edge, const std::vector<Index>& piercing);
+std::optional<int> edge_capacity(const Surface& surface, const SurfaceTopology& topology,
+                                 const TriangleBvh& bvh, Index half_edge, const std::vector<Index>& piercing);
 
 }  // namespace overtet

@@ -18,7 +18,8 @@ std::string face_name(const TriangleMatrix& F, Index f) {
 }
 
 std::string edge_name(Index a, Index b) {
-  return "The edge between vertices " + std::to_string(std::min(a, b)) + " and " + std::to_string(std::max(a, b));
+  return "The edge between vertices " + std::to_string(std::min(a, b)) + " and " +
+         std::to_string(std::max(a, b));
 }
 
 class Checker {
@@ -60,7 +61,8 @@ class Checker {
   void coordinates() {
     if (all_finite(V_)) return;
     for (Index v = 0; v < V_.rows(); ++v)
-      if (!V_.row(v).allFinite()) fail(check_.finite, name("Vertex", v) + " has a coordinate that is not a finite number.");
+      if (!V_.row(v).allFinite())
+        fail(check_.finite, name("Vertex", v) + " has a coordinate that is not a finite number.");
   }
 
   // Half-edges sorted by their smaller vertex; partners then are in one short list.
@@ -75,9 +77,8 @@ class Checker {
     for (Index h = 0; h < half_edges; ++h) list[at[low(h)]++] = h;
     check_.topology.twin.assign(half_edges, -1);
     for (Index v = 0; v < V_.rows(); ++v) {
-      std::sort(list.begin() + begin[v], list.begin() + begin[v + 1], [&](Index x, Index y) {
-        return high(x) != high(y) ? high(x) < high(y) : x < y;
-      });
+      std::sort(list.begin() + begin[v], list.begin() + begin[v + 1],
+                [&](Index x, Index y) { return high(x) != high(y) ? high(x) < high(y) : x < y; });
       for (Index i = begin[v]; i < begin[v + 1];) {
         Index j = i + 1;
         while (j < begin[v + 1] && high(list[j]) == high(list[i])) ++j;
@@ -96,13 +97,14 @@ class Checker {
       fail(check_.manifold_edges, edge_name(a, b) + " is shared by " + std::to_string(count) + " faces (" +
                                       std::to_string(half_edge_face(h[0])) + ", " +
                                       std::to_string(half_edge_face(h[1])) + ", " +
-                                      std::to_string(half_edge_face(h[2])) +
-                                      (count > 3 ? ", ..." : "") + "); it must be shared by two.");
+                                      std::to_string(half_edge_face(h[2])) + (count > 3 ? ", ..." : "") +
+                                      "); it must be shared by two.");
     } else if (half_edge_source(F_, h[1]) == a) {
-      fail(check_.oriented, "Faces " + std::to_string(half_edge_face(h[0])) + " and " +
-                                std::to_string(half_edge_face(h[1])) + " run the same way along the edge of vertices " +
-                                std::to_string(a) + " and " + std::to_string(b) +
-                                ": the faces are not oriented consistently, or the surface has one side only.");
+      fail(check_.oriented,
+           "Faces " + std::to_string(half_edge_face(h[0])) + " and " + std::to_string(half_edge_face(h[1])) +
+               " run the same way along the edge of vertices " + std::to_string(a) + " and " +
+               std::to_string(b) +
+               ": the faces are not oriented consistently, or the surface has one side only.");
     } else {
       check_.topology.twin[h[0]] = h[1];
       check_.topology.twin[h[1]] = h[0];
@@ -118,7 +120,8 @@ class Checker {
       if (edges_fine && check_.closed && check_.oriented) {
         // Then a copy is the neighbour over all three edges at once.
         const Index g = half_edge_face(check_.topology.twin[3 * f]);
-        if (half_edge_face(check_.topology.twin[3 * f + 1]) != g || half_edge_face(check_.topology.twin[3 * f + 2]) != g)
+        if (half_edge_face(check_.topology.twin[3 * f + 1]) != g ||
+            half_edge_face(check_.topology.twin[3 * f + 2]) != g)
           continue;
       }
       std::sort(v.begin(), v.end());
@@ -130,7 +133,8 @@ class Checker {
         check_.duplicate_faces.emplace_back(keys[i - 1][3], keys[i][3]);
     if (!check_.duplicate_faces.empty())
       check_.problems.push_back("Faces " + std::to_string(check_.duplicate_faces[0].first) + " and " +
-                                std::to_string(check_.duplicate_faces[0].second) + " have the same three vertices.");
+                                std::to_string(check_.duplicate_faces[0].second) +
+                                " have the same three vertices.");
   }
 
   void fans() {
@@ -152,7 +156,8 @@ class Checker {
         h = check_.topology.twin[previous_half_edge(h)];
       } while (h != first && seen <= faces_at[v]);
       if (seen != faces_at[v])
-        fail(check_.manifold_vertices, name("Vertex", v) + " joins parts of the surface that meet in this vertex only (" +
+        fail(check_.manifold_vertices, name("Vertex", v) +
+                                           " joins parts of the surface that meet in this vertex only (" +
                                            std::to_string(seen) + " of its " + std::to_string(faces_at[v]) +
                                            " faces form a fan); give each part a vertex of its own.");
     }

@@ -31,9 +31,9 @@ struct SurfaceComponent {
 
 // Adjacency of a closed, oriented, manifold surface.
 struct SurfaceTopology {
-  std::vector<Index> twin;               // 3 #F: the half-edge that runs the other way
-  std::vector<Index> out;                // #V: a half-edge that leaves the vertex
-  std::vector<Index> component_of_face;  // #F
+  std::vector<Index> twin;                   // 3 #F: the half-edge that runs the other way
+  std::vector<Index> out;                    // #V: a half-edge that leaves the vertex
+  std::vector<Index> component_of_face;      // #F
   std::vector<SurfaceComponent> components;  // by smallest face
 };
 
@@ -45,15 +45,15 @@ std::vector<Index> half_edges_around(const SurfaceTopology& topology, Index v);
 Index find_half_edge(const TriangleMatrix& F, const SurfaceTopology& topology, Index a, Index b);
 
 struct TopologyCheck {
-  bool indices_valid = true;      // in range, three different ones in a face
+  bool indices_valid = true;  // in range, three different ones in a face
   bool finite = true;
-  bool closed = true;             // every edge has at least two faces
-  bool manifold_edges = true;     // and at most two
-  bool oriented = true;           // which run along it in opposite directions
-  bool manifold_vertices = true;  // one fan around every vertex; every vertex is used
+  bool closed = true;                                    // every edge has at least two faces
+  bool manifold_edges = true;                            // and at most two
+  bool oriented = true;                                  // which run along it in opposite directions
+  bool manifold_vertices = true;                         // one fan around every vertex; every vertex is used
   std::vector<std::pair<Index, Index>> duplicate_faces;  // same three vertices
-  std::vector<std::string> problems;  // the first of each kind, one sentence each
-  SurfaceTopology topology;           // filled when ok()
+  std::vector<std::string> problems;                     // the first of each kind, one sentence each
+  SurfaceTopology topology;                              // filled when ok()
   bool ok() const {
     return indices_valid && finite && closed && manifold_edges && oriented && manifold_vertices &&
            duplicate_faces.empty();

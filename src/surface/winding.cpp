@@ -18,7 +18,9 @@ WindingNumber::WindingNumber(const Surface& surface, const TriangleBvh& bvh)
 WindingNumber::~WindingNumber() = default;
 WindingNumber::WindingNumber(WindingNumber&&) noexcept = default;
 
-std::optional<int> WindingNumber::at(const double* point) const { return impl_->rays.winding(exact::Point(point)); }
+std::optional<int> WindingNumber::at(const double* point) const {
+  return impl_->rays.winding(exact::Point(point));
+}
 
 std::optional<int> WindingNumber::at(const std::array<std::string, 3>& point) const {
   exact::Vec p;
@@ -29,7 +31,8 @@ std::optional<int> WindingNumber::at(const std::array<std::string, 3>& point) co
       const std::size_t from = sign && !t.empty() && t[0] == '-' ? 1 : 0;
       return t.size() > from && t.find_first_not_of("0123456789", from) == std::string::npos;
     };
-    const std::string top = s.substr(0, slash), bottom = slash == std::string::npos ? "1" : s.substr(slash + 1);
+    const std::string top = s.substr(0, slash),
+                      bottom = slash == std::string::npos ? "1" : s.substr(slash + 1);
     if (!digits(top, true) || !digits(bottom, false)) return std::nullopt;
     if (bottom.find_first_not_of('0') == std::string::npos) return std::nullopt;
     p[k] = exact::Rational(s, 10);

@@ -41,7 +41,7 @@ struct PairFinding {
 // Where a third face crosses a pair's segment.
 struct Cut {
   Index face = -1;
-  int step = 0;  // how the winding number changes there, on the way along the segment
+  int step = 0;                // how the winding number changes there, on the way along the segment
   double near = 0, error = 0;  // the place on the segment, 0 to 1
   std::optional<Rational> exact;
 };
@@ -115,8 +115,7 @@ class PairStudy {
     if (ends.size() > 1) regular = false;  // an edge of f lies in the plane
     for (int k = 0; k < 3; ++k) {
       const int m = (k + 1) % 3;
-      if (side[k] * side[m] < 0)
-        ends.push_back(p[k] + (height[k] / (height[k] - height[m])) * (p[m] - p[k]));
+      if (side[k] * side[m] < 0) ends.push_back(p[k] + (height[k] / (height[k] - height[m])) * (p[m] - p[k]));
     }
     return !ends.empty();
   }
@@ -197,8 +196,8 @@ class PairStudy {
     std::vector<Cut*> order;
     for (Cut& cut : cuts) order.push_back(&cut);
     std::sort(order.begin(), order.end(), [&](Cut* x, Cut* y) { return compare(*x, *y) < 0; });
-    std::vector<Cut*> place;      // where pieces 1, 2, ... begin
-    std::vector<int> level{0};    // of each piece, relative to the first
+    std::vector<Cut*> place;    // where pieces 1, 2, ... begin
+    std::vector<int> level{0};  // of each piece, relative to the first
     for (Cut* cut : order) {
       if (!place.empty() && compare(*place.back(), *cut) == 0) {
         level.back() += cut->step;
@@ -208,7 +207,9 @@ class PairStudy {
       level.push_back(level.back() + cut->step);
     }
     const auto begins = [&](int i) { return i == 0 ? Rational(0) : at(*place[i - 1]); };
-    const auto ends = [&](int i) { return i == static_cast<int>(place.size()) ? Rational(1) : at(*place[i]); };
+    const auto ends = [&](int i) {
+      return i == static_cast<int>(place.size()) ? Rational(1) : at(*place[i]);
+    };
     const int n = static_cast<int>(level.size());
     if (regular) {
       // One ray, on the lowest piece; the others follow from it.

@@ -23,7 +23,8 @@ constexpr double kFar = std::numeric_limits<double>::infinity();
 class Assigner {
  public:
   Assigner(const Surface& surface, const SurfaceTopology& topology, const TriangleBvh& bvh,
-           const std::vector<Hinge>& hinges, const std::vector<PiercedEdge>& pierced, const RunContext& context)
+           const std::vector<Hinge>& hinges, const std::vector<PiercedEdge>& pierced,
+           const RunContext& context)
       : surface_(surface), topology_(topology), bvh_(bvh), hinges_(hinges), context_(context) {
     for (const PiercedEdge& e : pierced) pierced_.emplace(e.half_edge, &e.faces);
   }
@@ -90,10 +91,11 @@ class Assigner {
     out.explanation =
         "No positive mesh exists: at vertex " + std::to_string(group.front()) + " the integer B0 is " +
         std::to_string(*hinge.B0) +
-        (group.size() == 1 ? ", so an odd number of its edges would have to turn once more than they show, and "
-                             "the edges whose outer side is covered all along lead from there to no other such vertex."
-                           : ", and the " + std::to_string(group.size()) +
-                                 " vertices with odd B0 that covered edges join to it cannot be paired.");
+        (group.size() == 1
+             ? ", so an odd number of its edges would have to turn once more than they show, and "
+               "the edges whose outer side is covered all along lead from there to no other such vertex."
+             : ", and the " + std::to_string(group.size()) +
+                   " vertices with odd B0 that covered edges join to it cannot be paired.");
   }
 
   struct Edge {
@@ -145,8 +147,8 @@ class Assigner {
     bool found = false;
     for (const Index h : half_edges_around(topology_, v)) {
       const auto at = pierced_.find(edge_of(h));
-      const auto levels =
-          edge_levels(surface_, topology_, bvh_, h, at == pierced_.end() ? std::vector<Index>{} : *at->second);
+      const auto levels = edge_levels(surface_, topology_, bvh_, h,
+                                      at == pierced_.end() ? std::vector<Index>{} : *at->second);
       if (!levels || levels->empty()) continue;
       value = levels->front();
       found = true;
@@ -186,7 +188,8 @@ class Assigner {
   }
   double cost(Index h) {
     const double length =
-        (surface_.V.row(half_edge_source(surface_.F, h)) - surface_.V.row(half_edge_target(surface_.F, h))).norm();
+        (surface_.V.row(half_edge_source(surface_.F, h)) - surface_.V.row(half_edge_target(surface_.F, h)))
+            .norm();
     return 1 + kLengthCost * length / mean_length_ + (is_pierced_[edge_of(h)] ? kPiercedCost : 0);
   }
 
@@ -199,8 +202,8 @@ class Assigner {
   }
 
   struct Usage {
-    std::map<Index, int> edge;      // k so far
-    std::map<Index, int> vertex;    // sum of k so far
+    std::map<Index, int> edge;    // k so far
+    std::map<Index, int> vertex;  // sum of k so far
     int of_edge(Index e) const {
       const auto at = edge.find(e);
       return at == edge.end() ? 0 : at->second;
@@ -212,9 +215,7 @@ class Assigner {
   };
 
   // Whether a chain may use half-edge h on its way, given what others use.
-  bool legal(Index h, const Usage& usage) {
-    return usage.of_edge(edge_of(h)) + 1 <= least(h);
-  }
+  bool legal(Index h, const Usage& usage) { return usage.of_edge(edge_of(h)) + 1 <= least(h); }
   // Whether a chain that ends at hinge v may leave through h: k_e <= m_e - c_v next to v.
   bool legal_end(Index h, Index v, int chains) {
     const Hinge& hinge = hinges_[hinge_at_[v]];
@@ -289,7 +290,8 @@ class Assigner {
     return tree;
   }
 
-  static void chain(const TriangleMatrix& F, const Tree& tree, Index start, Index end, std::vector<Index>& out) {
+  static void chain(const TriangleMatrix& F, const Tree& tree, Index start, Index end,
+                    std::vector<Index>& out) {
     for (Index v = end; v != start;) {
       const Index h = tree.from[v];
       out.push_back(h);
@@ -323,8 +325,7 @@ class Assigner {
       }
     }
     for (int i = 0; i < n; ++i)
-      for (int j = 0; j < i; ++j)
-        distance[i][j] = distance[j][i] = std::min(distance[i][j], distance[j][i]);
+      for (int j = 0; j < i; ++j) distance[i][j] = distance[j][i] = std::min(distance[i][j], distance[j][i]);
 
     std::vector<int> partner(n, -1);
     for (const std::vector<int>& group : groups(distance)) match(distance, group, partner);
@@ -487,8 +488,11 @@ class Assigner {
       for (int j = i + 1; j < n; ++j) all.push_back({between(i, j), {i, j}});
     std::sort(all.begin(), all.end());
     for (const auto& [d, ij] : all)
-      if (d < alone && mate[ij.first] < 0 && mate[ij.second] < 0) mate[ij.first] = ij.second, mate[ij.second] = ij.first;
-    const auto pair_cost = [&](int i, int j) { return i < 0 || j < 0 ? (i < 0 && j < 0 ? 0 : alone) : between(i, j); };
+      if (d < alone && mate[ij.first] < 0 && mate[ij.second] < 0)
+        mate[ij.first] = ij.second, mate[ij.second] = ij.first;
+    const auto pair_cost = [&](int i, int j) {
+      return i < 0 || j < 0 ? (i < 0 && j < 0 ? 0 : alone) : between(i, j);
+    };
     const auto join = [&](int i, int j) {
       if (i >= 0) mate[i] = j;
       if (j >= 0) mate[j] = i;

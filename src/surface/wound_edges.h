@@ -26,9 +26,9 @@
 namespace overtet {
 
 struct WoundEdge {
-  Index a = -1, b = -1;   // a < b
-  int k = 1;              // the interior dihedral in the mesh is theta_e + 2 pi k
-  bool pierced = false;   // another face crosses the inside of the edge
+  Index a = -1, b = -1;  // a < b
+  int k = 1;             // the interior dihedral in the mesh is theta_e + 2 pi k
+  bool pierced = false;  // another face crosses the inside of the edge
 };
 
 struct WoundEdges {
@@ -39,7 +39,7 @@ struct WoundEdges {
   // interior edge exists: over such a group the sum of B0 would have to be even. A single vertex whose
   // edges are all uncovered somewhere is the usual case.
   std::vector<std::vector<Index>> odd_groups;
-  std::string explanation;       // one sentence when there are any unmet
+  std::string explanation;  // one sentence when there are any unmet
   bool complete() const { return unmet.empty(); }
 };
 

@@ -179,11 +179,12 @@ TEST(Bvh, BoxAndRayQueriesMissNothing) {
     bvh.query_ray(o, d, 0, [&](Index f) { on_ray.insert(f); });
     const double far[3] = {o[0] + 20 * d[0], o[1] + 20 * d[1], o[2] + 20 * d[2]};
     for (Index f = 0; f < s.F.rows(); ++f) {
-      const double *a = s.V.data() + 3 * s.F(f, 0), *b = s.V.data() + 3 * s.F(f, 1), *c = s.V.data() + 3 * s.F(f, 2);
+      const double *a = s.V.data() + 3 * s.F(f, 0), *b = s.V.data() + 3 * s.F(f, 1),
+                   *c = s.V.data() + 3 * s.F(f, 2);
       bool inside = false;
       for (const double* p : {a, b, c})
-        inside = inside || (lo[0] <= p[0] && p[0] <= hi[0] && lo[1] <= p[1] && p[1] <= hi[1] && lo[2] <= p[2] &&
-                            p[2] <= hi[2]);
+        inside = inside || (lo[0] <= p[0] && p[0] <= hi[0] && lo[1] <= p[1] && p[1] <= hi[1] &&
+                            lo[2] <= p[2] && p[2] <= hi[2]);
       if (inside) {
         EXPECT_TRUE(in_box.count(f));
       }

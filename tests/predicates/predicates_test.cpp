@@ -67,9 +67,9 @@ TEST(Orient3d, EqualsExactArithmetic) {
     ASSERT_EQ(orient3d(p[0].data(), p[1].data(), p[2].data(), p[3].data()), want) << "trial " << trial;
     ASSERT_EQ(orient3d(p[1].data(), p[0].data(), p[2].data(), p[3].data()), -want) << "trial " << trial;
     ASSERT_EQ(orient3d(p[3].data(), p[2].data(), p[1].data(), p[0].data()), want) << "trial " << trial;
-    const int flat = static_cast<int>(CGAL::orientation(Exact::Point_2(p[0][0], p[0][1]),
-                                                        Exact::Point_2(p[1][0], p[1][1]),
-                                                        Exact::Point_2(p[2][0], p[2][1])));
+    const int flat =
+        static_cast<int>(CGAL::orientation(Exact::Point_2(p[0][0], p[0][1]), Exact::Point_2(p[1][0], p[1][1]),
+                                           Exact::Point_2(p[2][0], p[2][1])));
     ASSERT_EQ(orient2d(p[0].data(), p[1].data(), p[2].data()), flat) << "trial " << trial;
     ASSERT_EQ(collinear(p[0].data(), p[1].data(), p[2].data()),
               CGAL::collinear(exact(p[0]), exact(p[1]), exact(p[2])));
@@ -110,8 +110,9 @@ TEST(TrianglesIntersect, EqualsCgal) {
     if (collinear(p[3].data(), p[4].data(), p[5].data())) continue;
     const Common want = common(p, p + 3);
     met += want.any;
-    ASSERT_EQ(triangles_intersect(p[0].data(), p[1].data(), p[2].data(), p[3].data(), p[4].data(), p[5].data()),
-              want.any)
+    ASSERT_EQ(
+        triangles_intersect(p[0].data(), p[1].data(), p[2].data(), p[3].data(), p[4].data(), p[5].data()),
+        want.any)
         << "trial " << trial;
     double V[18];
     for (int i = 0; i < 18; ++i) V[i] = p[i / 3][i % 3];
@@ -158,8 +159,9 @@ TEST(TrianglesIntersect, DoesNotDependOnScale) {
     for (const int exponent : {-900, -400, 400, 1000}) {
       Point q[6];
       for (int i = 0; i < 6; ++i) q[i] = points.scaled(p[i], exponent);
-      ASSERT_EQ(triangles_intersect(q[0].data(), q[1].data(), q[2].data(), q[3].data(), q[4].data(), q[5].data()),
-                want);
+      ASSERT_EQ(
+          triangles_intersect(q[0].data(), q[1].data(), q[2].data(), q[3].data(), q[4].data(), q[5].data()),
+          want);
     }
   }
 }

@@ -75,8 +75,8 @@ struct Studied {
 
 // Models with self-crossings of all kinds, some turned inside out (which makes negative integers).
 std::vector<Surface> crossing_models() {
-  return {test::elbow(150, 16), test::elbow(110, 12, 0.4), test::flipped(test::elbow(140, 12)),
-          test::curled_worm(420, 10), test::saucer(2), test::two_spheres(1)};
+  return {test::elbow(150, 16),       test::elbow(110, 12, 0.4), test::flipped(test::elbow(140, 12)),
+          test::curled_worm(420, 10), test::saucer(2),           test::two_spheres(1)};
 }
 
 TEST(Hinges, EmbeddedVerticesHaveZero) {
@@ -138,7 +138,8 @@ TEST(Hinges, LevelsAlongEdgesEqualTheDefinition) {
         if (std::fabs(level - std::round(level)) > 1e-5) continue;  // next to a crossing
         seen.insert(static_cast<int>(std::round(level)));
       }
-      for (const int level : seen) EXPECT_TRUE(std::count(levels->begin(), levels->end(), level)) << "edge " << h;
+      for (const int level : seen)
+        EXPECT_TRUE(std::count(levels->begin(), levels->end(), level)) << "edge " << h;
       ++looked;
       changing += levels->size() > 1;
       // The other direction sees the same, reversed.

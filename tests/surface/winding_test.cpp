@@ -76,9 +76,7 @@ TEST(Winding, FractionsAreExact) {
   const Eigen::RowVector3d lo = s.V.colwise().minCoeff(), hi = s.V.colwise().maxCoeff();
   ASSERT_EQ(hi[0] - lo[0], 1.0);
   // A hair inside and outside of the side at lo[0]: no double lies there.
-  const auto at = [&](const std::string& x) {
-    return winding.at({x, "1/3", "1/3"});
-  };
+  const auto at = [&](const std::string& x) { return winding.at({x, "1/3", "1/3"}); };
   Surface moved = s;
   moved.V.rowwise() -= lo;
   const WindingNumber unit(moved);
@@ -87,7 +85,8 @@ TEST(Winding, FractionsAreExact) {
   EXPECT_EQ(unit.at({"-" + tiny, "1/3", "1/3"}), std::optional<int>(0));
   EXPECT_EQ(unit.at({"0", "1/3", "1/3"}), std::nullopt);
   EXPECT_EQ(unit.at({"3/4", "1/3", "1/7"}), std::optional<int>(1));
-  for (const char* bad : {"", "-", "1/0", "x", "1/-2", "0.5", "1/", "/2", "1 2"}) EXPECT_EQ(at(bad), std::nullopt) << bad;
+  for (const char* bad : {"", "-", "1/0", "x", "1/-2", "0.5", "1/", "/2", "1 2"})
+    EXPECT_EQ(at(bad), std::nullopt) << bad;
 }
 
 TEST(Winding, DoesNotDependOnScale) {
