@@ -23,12 +23,12 @@ namespace overtet {
 namespace {
 
 // Rounding new points to doubles can make pieces cross that did not, where exact points are closer than
-// doubles can tell. Then the pieces are cut again, with added points on a grid (iterated snap rounding). A
-// grid is kept for some rounds, since points on it no longer move; if that does not end, a coarser one is
-// tried.
-constexpr int kGrids[] = {-44, -40, -36, -32};  // powers of two, relative to the largest coordinate
-constexpr int kRoundsPerGrid = 6;
-constexpr int kMostRounds = 1 + kRoundsPerGrid * static_cast<int>(std::size(kGrids));
+// doubles can tell; faces that nearly coincide amplify that by the inverse of the angle between them. Then
+// the pieces are cut again, and added points closer than a distance become one (iterated snap rounding). If
+// that does not end in some rounds, the distance grows.
+constexpr int kDistances[] = {-44, -38, -32, -26};  // powers of two, relative to the largest coordinate
+constexpr int kRoundsPerDistance = 6;
+constexpr int kMostRounds = 1 + kRoundsPerDistance * static_cast<int>(std::size(kDistances));
 
 using Kernel = CGAL::Exact_predicates_exact_constructions_kernel;
 using Point3 = Kernel::Point_3;
@@ -279,32 +279,35 @@ class Arranger {
     }
   }
 
-  // Moves the added points onto a grid, so that points closer than its step become one, and onto input
-  // positions in the same grid cell.
+  // Added points move onto an earlier point closer than the round's distance, input positions first. All
+  // others stay: moving them would only make new crossings.
   void snap(int round) {
     double largest = 0;
     for (const auto& p : points_) largest = std::max(largest, p.cwiseAbs().maxCoeff());
-    const double step = std::ldexp(1.0, std::ilogb(largest) + kGrids[(round - 1) / kRoundsPerGrid]);
-    const auto key = [&](Index v) {
-      return std::array<double, 3>{std::nearbyint(points_[v][0] / step), std::nearbyint(points_[v][1] / step),
-                                   std::nearbyint(points_[v][2] / step)};
-    };
+    const double near = std::ldexp(1.0, std::ilogb(largest) + kDistances[(round - 1) / kRoundsPerDistance]);
     std::vector<char> used(points_.size(), 0);
     for (const Piece& piece : pieces_)
       if (piece.cut)
         for (const Index v : piece.corners) used[v] = 1;
-    std::map<std::array<double, 3>, Index> at;
+    // Cells of that size: whoever is near lies in a cell next to it.
+    using Cell = std::array<double, 3>;
+    std::map<Cell, std::vector<Index>> cells;
     std::vector<Index> to(points_.size());
     std::iota(to.begin(), to.end(), 0);
     for (Index v = 0; v < static_cast<Index>(points_.size()); ++v) {
       if (!used[v]) continue;
-      const auto k = key(v);
-      const auto [found, added] = at.try_emplace(k, v);
-      if (v < input_positions_) continue;  // two input positions in one cell stay two
-      if (added)
-        points_[v] = step * Eigen::Vector3d(k[0], k[1], k[2]);
-      else
-        to[v] = found->second;
+      const Eigen::Vector3d p = points_[v];
+      const Cell cell{std::floor(p[0] / near), std::floor(p[1] / near), std::floor(p[2] / near)};
+      if (v >= input_positions_) {
+        double best = near;
+        for (int i = 0; i < 27; ++i) {
+          const auto at = cells.find({cell[0] + i % 3 - 1, cell[1] + i / 3 % 3 - 1, cell[2] + i / 9 - 1});
+          if (at == cells.end()) continue;
+          for (const Index u : at->second)
+            if (const double d = (points_[u] - p).norm(); d < best) best = d, to[v] = u;
+        }
+      }
+      if (to[v] == v) cells[cell].push_back(v);
     }
     for (Piece& piece : pieces_)
       for (Index& v : piece.corners) v = to[v];
