@@ -1,7 +1,7 @@
 // Measures the forward and the reverse flow on surface files: one line per model.
 //
-//   perf_flows [--threads N] [--time S] [--staged] [--small] [--global] [--paper] [--ladder] [--save DIR]
-//   FILE...
+//   perf_flows [--threads N] [--time S] [--staged] [--small] [--global] [--bisections N] [--growth G]
+//   [--paper] [--ladder] [--save DIR] FILE...
 //
 // Columns: faces, intersecting pairs, forward seconds / steps / attempts / weights, frozen part of the area,
 // reverse seconds / iterations / most contacts / halvings / held vertices, area ratios 1 % / 50 % / 99 %,
@@ -27,7 +27,8 @@ double since(Clock::time_point t) { return std::chrono::duration<double>(Clock::
 
 struct Settings {
   int threads = 0;
-  double time = 600;
+  double time = 600, growth = overtet::ReverseFlowOptions().growth;
+  int bisections = overtet::ForwardFlowOptions().bisections;
   bool staged = false, global = false, paper = false, ladder = false, small = false, verbose = false;
   std::string save;
 };
@@ -120,6 +121,10 @@ int main(int argc, char** argv) {
       settings.staged = true;
     else if (a == "--small")
       settings.small = true;
+    else if (a == "--bisections" && i + 1 < argc)
+      settings.bisections = std::atoi(argv[++i]);
+    else if (a == "--growth" && i + 1 < argc)
+      settings.growth = std::atof(argv[++i]);
     else if (a == "--global")
       settings.global = true;
     else if (a == "--paper")
@@ -148,6 +153,8 @@ int main(int argc, char** argv) {
     if (settings.paper) forward = {paper_forward_flow()}, reverse = {paper_reverse_flow()};
     if (!settings.ladder) forward.resize(1), reverse.resize(1);
     if (settings.small) forward[0] = forward_flow_ladder()[1];
+    for (auto& o : forward) o.bisections = settings.bisections;
+    for (auto& o : reverse) o.growth = settings.growth;
     if (settings.global) forward[0].regional = false;
     if (settings.staged) reverse[0].staged = true;
     bool locked = true;

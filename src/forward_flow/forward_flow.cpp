@@ -619,7 +619,7 @@ std::vector<ForwardFlowOptions> forward_flow_ladder() {
   small.extra_steps = 2;
   global.regional = false;
   global.global = {{FlowWeights::clamped, 2e-5, 200}, {FlowWeights::uniform, 2e-5, 300}};
-  return {first, small, small, global};
+  return {first, small, global};
 }
 
 VertexMatrix ForwardFlowResult::state(const VertexMatrix& V0, std::size_t i) const {

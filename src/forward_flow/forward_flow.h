@@ -76,7 +76,7 @@ struct ForwardFlowOptions {
                                     {FlowWeights::uniform, 1e-3, 60},
                                     {FlowWeights::clamped, 2e-5, 200}};
   int extra_steps = 0;      // past t*, before turning back
-  int bisections = 4;       // between the last state that crosses and the first that does not, per cluster
+  int bisections = 2;       // between the last state that crosses and the first that does not, per cluster
   bool keep_states = true;  // V_t of every step, for a staged reverse flow
 
   Status validate() const;

@@ -175,7 +175,7 @@ class Reverse {
     began_ = std::chrono::steady_clock::now();
   }
 
-  // One rest shape. False: out of time, U is what there is.
+  // One rest shape. False: out of time or locked, U is what there is.
   Result<bool> stage(const VertexMatrix& W, int iterations, int number, int stages, VertexMatrix& U) {
     const Index n = static_cast<Index>(local_.row_vertex.size());
     const Eigen::VectorXd h = mean_edges(W, s_.F);
@@ -196,10 +196,13 @@ class Reverse {
 
     VertexMatrix before = U;  // the state before U, for inertia
     VertexMatrix force = VertexMatrix::Zero(n, 3);
-    int standstill = 0;
+    int standstill = 0, struggling = 0;
     for (int iteration = 1; iteration <= iterations; ++iteration) {
       if (const auto stop = context_.stop()) return *stop;
-      if (seconds() > o_.max_seconds) return false;
+      if (seconds() > o_.max_seconds) {
+        result_.termination = ReverseFlowResult::Termination::time;
+        return false;
+      }
       ReverseFlowStep record;
       record.stage = number;
       record.iteration = iteration;
@@ -256,6 +259,11 @@ class Reverse {
       ++result_.iterations;
       context_.report(kStage, (number + static_cast<double>(iteration) / iterations) / stages,
                       std::to_string(record.contacts) + " contacts");
+      struggling = record.halvings >= o_.lock_halvings ? struggling + 1 : 0;
+      if (struggling >= o_.lock_iterations) {
+        result_.termination = ReverseFlowResult::Termination::locked;
+        return false;
+      }
       standstill = move > 0 ? 0 : standstill + 1;
       if (standstill >= kStandstill || (move < o_.still && record.halvings == 0)) break;
     }
@@ -467,7 +475,7 @@ FlowQuality measure_quality(const VertexMatrix& U, const VertexMatrix& V0, const
 Status ReverseFlowOptions::validate() const {
   const auto positive = [](double x) { return std::isfinite(x) && x > 0; };
   const auto bad = [](const std::string& what) { return Error{ErrorCode::usage, "Reverse flow: " + what}; };
-  if (stage_iterations < 0 || final_iterations < 0 || max_stages < 0)
+  if (stage_iterations < 0 || final_iterations < 0 || max_stages < 0 || lock_iterations < 1)
     return bad("iteration counts must not be negative.");
   if (!positive(eps) || !positive(kappa) || !positive(reach) || !positive(growth) || !positive(ring_reach) ||
       !positive(ring_floor))
@@ -490,13 +498,11 @@ ReverseFlowOptions paper_reverse_flow() {
 }
 
 std::vector<ReverseFlowOptions> reverse_flow_ladder() {
-  ReverseFlowOptions direct, staged, wide, patient;
+  ReverseFlowOptions direct, staged, patient;
   staged.staged = true;
-  wide.staged = true;
-  wide.ring_floor = 0.3;
   patient.staged = true;
-  patient.max_stages = 100;
-  return {direct, staged, wide, patient};
+  patient.max_stages = 80;
+  return {direct, staged, patient};
 }
 
 Result<ReverseFlowResult> reverse_flow(const Surface& surface, const VertexMatrix& start,
@@ -544,10 +550,7 @@ Result<ReverseFlowResult> reverse_flow(const Surface& surface, const VertexMatri
     const auto done =
         reverse.stage(W, last ? options.final_iterations : options.stage_iterations, i, total, result.U0);
     if (!done) return done.error();
-    if (!done.value()) {
-      result.termination = ReverseFlowResult::Termination::time;
-      break;
-    }
+    if (!done.value()) break;
   }
   if (options.align && count == static_cast<Index>(n)) {
     const VertexMatrix moved = rigidly_aligned(result.U0, surface.V, lumped_mass(surface.V, surface.F));

@@ -23,8 +23,9 @@
 // seconds; the direct way works on most models in a fraction of the staged time. The paper's parts are
 // there, each on its own: ContactResponse::pins, inertia, repulsion, staged rest shapes.
 //
-// How the stages chain: see forward_flow.h. After a result with `locked`, the caller tries the next
-// elements of the two ladders and keeps the U0 with the best `quality.area_p01`.
+// Outcomes are chaotic: a small change of settings turns a good result bad. So: cheap first (direct), detect
+// locking early, fall back to the next elements of the two ladders (see forward_flow.h), keep the U0 with
+// the best `quality.area_p01`.
 //
 // Guaranteed when it returns a value:
 //  - U0 is finite and exactly free of self-intersections, and it is connected to the start by a motion
@@ -75,9 +76,13 @@ struct ReverseFlowOptions {
   bool align = true;         // if everything was free: the rigid motion that fits U0 to V0 best
   double max_seconds = 1e9;  // stop iterating then and return what there is
 
-  // More vertices held back than this (summed over all steps): `locked`.
+  // A healthy flow shortens steps now and then; one that does it so often in one iteration for so many
+  // iterations in a row has locked: it ends, and the caller should try another way.
+  int lock_halvings = 3;
+  int lock_iterations = 12;
+  // Also called locked: more vertices held back than this (summed over all steps), or a smallest percentile
+  // of the area below this.
   int locked_rollbacks = 0;
-  // Or a result worse than this.
   double locked_area_p01 = 0.1;
 
   // Called with every accepted state, for tests and pictures.
@@ -111,7 +116,7 @@ struct FlowQuality {
 FlowQuality measure_quality(const VertexMatrix& U, const VertexMatrix& V0, const TriangleMatrix& F);
 
 struct ReverseFlowResult {
-  enum class Termination { nothing_to_do, finished, time };
+  enum class Termination { nothing_to_do, finished, locked, time };
   Termination termination = Termination::finished;
   VertexMatrix U0;  // #V x 3, for the faces of the input
   FlowQuality quality;
