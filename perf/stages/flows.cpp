@@ -1,6 +1,7 @@
 // Measures the forward and the reverse flow on surface files: one line per model.
 //
-//   perf_flows [--threads N] [--time S] [--staged] [--small] [--global] [--bisections N] [--growth G]
+//   perf_flows [--threads N] [--time S] [--staged] [--small] [--global] [--bisections N] [--growth G] [--lock
+//   N]
 //   [--paper] [--ladder] [--save DIR] FILE...
 //
 // Columns: faces, intersecting pairs, forward seconds / steps / attempts / weights, frozen part of the area,
@@ -28,6 +29,7 @@ double since(Clock::time_point t) { return std::chrono::duration<double>(Clock::
 struct Settings {
   int threads = 0;
   double time = 600, growth = overtet::ReverseFlowOptions().growth;
+  int lock = overtet::ReverseFlowOptions().lock_iterations;
   int bisections = overtet::ForwardFlowOptions().bisections;
   bool staged = false, global = false, paper = false, ladder = false, small = false, verbose = false;
   std::string save;
@@ -123,6 +125,8 @@ int main(int argc, char** argv) {
       settings.small = true;
     else if (a == "--bisections" && i + 1 < argc)
       settings.bisections = std::atoi(argv[++i]);
+    else if (a == "--lock" && i + 1 < argc)
+      settings.lock = std::atoi(argv[++i]);
     else if (a == "--growth" && i + 1 < argc)
       settings.growth = std::atof(argv[++i]);
     else if (a == "--global")
@@ -154,7 +158,7 @@ int main(int argc, char** argv) {
     if (!settings.ladder) forward.resize(1), reverse.resize(1);
     if (settings.small) forward[0] = forward_flow_ladder()[1];
     for (auto& o : forward) o.bisections = settings.bisections;
-    for (auto& o : reverse) o.growth = settings.growth;
+    for (auto& o : reverse) o.growth = settings.growth, o.lock_iterations = settings.lock;
     if (settings.global) forward[0].regional = false;
     if (settings.staged) reverse[0].staged = true;
     bool locked = true;

@@ -611,7 +611,8 @@ ForwardFlowOptions paper_forward_flow() {
 }
 
 std::vector<ForwardFlowOptions> forward_flow_ladder() {
-  ForwardFlowOptions first, small, global;
+  ForwardFlowOptions first, small, everything, global;
+  everything.regional = false;
   small.regional_delta = 1e-4;
   small.regional_delta_radius = 0.025;
   small.regional_steps = 60;
@@ -619,7 +620,7 @@ std::vector<ForwardFlowOptions> forward_flow_ladder() {
   small.extra_steps = 2;
   global.regional = false;
   global.global = {{FlowWeights::clamped, 2e-5, 200}, {FlowWeights::uniform, 2e-5, 300}};
-  return {first, small, global};
+  return {first, small, everything, global};
 }
 
 VertexMatrix ForwardFlowResult::state(const VertexMatrix& V0, std::size_t i) const {

@@ -76,7 +76,7 @@ struct ForwardFlowOptions {
                                     {FlowWeights::uniform, 1e-3, 60},
                                     {FlowWeights::clamped, 2e-5, 200}};
   int extra_steps = 0;      // past t*, before turning back
-  int bisections = 2;       // between the last state that crosses and the first that does not, per cluster
+  int bisections = 4;       // between the last state that crosses and the first that does not, per cluster
   bool keep_states = true;  // V_t of every step, for a staged reverse flow
 
   Status validate() const;
@@ -84,7 +84,8 @@ struct ForwardFlowOptions {
 
 // The paper's choice: everything, plain cotangents, delta 1e-4.
 ForwardFlowOptions paper_forward_flow();
-// What to try in turn when the reverse flow locks: the default, small regional steps, small global ones.
+// What to try in turn when the reverse flow locks: the default, small regional steps, everything, everything
+// in small steps.
 std::vector<ForwardFlowOptions> forward_flow_ladder();
 
 struct ForwardFlowStep {

@@ -502,7 +502,7 @@ std::vector<ReverseFlowOptions> reverse_flow_ladder() {
   staged.staged = true;
   patient.staged = true;
   patient.max_stages = 80;
-  return {direct, staged, patient};
+  return {direct, staged, direct, patient};
 }
 
 Result<ReverseFlowResult> reverse_flow(const Surface& surface, const VertexMatrix& start,
