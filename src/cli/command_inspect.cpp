@@ -121,10 +121,8 @@ void print(const Findings& f) {
 int run(const InspectCommand& command, const CommonOptions& common, Terminal& terminal) {
   const RunContext context = common.context(terminal);
   const ScopedThreads threads(common.threads);
-  Watchdog watchdog(context.deadline, [&](int code) {
-    terminal.error(code == 130 ? "Interrupted."
-                               : "The time limit was reached; allow more with --time-limit.");
-  });
+  Watchdog watchdog(context.deadline, context.memory_limit_bytes,
+                    [&](const Error& error) { terminal.error(error.message); });
   SurfaceReadInfo info;
   const Result<Surface> surface = read_surface(command.input, &info);
   if (!surface) return fail(terminal, surface.error());

@@ -89,14 +89,13 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
     return std::chrono::duration<double>(RunContext::Clock::now() - common.start).count();
   };
 
-  Watchdog watchdog(context.deadline, [&](int code) {
-    terminal.error(code == 130 ? "Interrupted; nothing was written."
-                               : "The time limit was reached; allow more with --time-limit.");
-    if (code == 130) return;
+  Watchdog watchdog(context.deadline, context.memory_limit_bytes, [&](const Error& error) {
+    terminal.error(error.message);
+    if (error.code == ErrorCode::interrupted) return;
     Report late;  // what the stages were doing is theirs; this thread only knows the options
     late.options = options;
-    late.status = RunStatus::limit;
-    late.message = "The time limit was reached; allow more with --time-limit.";
+    late.status = status_of(error.code);
+    late.message = error.message;
     late.seconds = seconds();
     (void)write_report(command.report, late).ok();
   });
@@ -146,6 +145,8 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
       terminal.error(s.error().message);
     }
   }
+  if (!made && result.report.status == RunStatus::infeasible && command.on_infeasible == "repair")
+    terminal.log(LogLevel::warning, "Repair is not available yet; the input is rejected.");
   if (!made) return fail(terminal, result.error);
   terminal.say(result.report.message);
   return 0;

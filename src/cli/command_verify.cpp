@@ -11,10 +11,8 @@ namespace overtet {
 
 int run(const VerifyCommand& command, const CommonOptions& common, Terminal& terminal) {
   const RunContext context = common.context(terminal);
-  Watchdog watchdog(context.deadline, [&](int code) {
-    terminal.error(code == 130 ? "Interrupted."
-                               : "The time limit was reached; allow more with --time-limit.");
-  });
+  Watchdog watchdog(context.deadline, context.memory_limit_bytes,
+                    [&](const Error& error) { terminal.error(error.message); });
   SurfaceReadInfo info;
   const Result<Surface> surface = read_surface(command.surface, &info);
   if (!surface) return fail(terminal, surface.error());

@@ -4,8 +4,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <optional>
+#include <string>
 
-#include "overtet/result.h"
+#include "src/pipeline/watch.h"
 
 namespace overtet {
 
@@ -19,6 +21,7 @@ extern "C" void on_signal(int) { interrupted.store(true, std::memory_order_relax
 // How long a run may take to notice.
 constexpr auto kInterruptGrace = std::chrono::milliseconds(1500);
 constexpr auto kDeadlineGrace = std::chrono::milliseconds(2500);
+constexpr auto kMemoryGrace = std::chrono::milliseconds(1000);
 constexpr auto kPeriod = std::chrono::milliseconds(50);
 
 }  // namespace
@@ -35,8 +38,9 @@ void install_signal_handlers() {
   ::signal(SIGPIPE, SIG_IGN);
 }
 
-Watchdog::Watchdog(Clock::time_point deadline, std::function<void(int)> late)
-    : deadline_(deadline), late_(std::move(late)) {
+Watchdog::Watchdog(Clock::time_point deadline, std::size_t memory_limit,
+                   std::function<void(const Error&)> late)
+    : deadline_(deadline), memory_limit_(memory_limit), late_(std::move(late)) {
   sigset_t all, before;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
@@ -55,18 +59,31 @@ void Watchdog::dismiss() {
 
 void Watchdog::watch() {
   std::unique_lock lock(mutex_);
-  auto interrupted_at = Clock::time_point::max();
+  auto interrupted_at = Clock::time_point::max(), full_at = Clock::time_point::max();
+  const auto longer = [](Clock::time_point since, Clock::duration grace) {
+    return since != Clock::time_point::max() && Clock::now() > since && Clock::now() - since > grace;
+  };
   while (!dismissed_) {
-    const auto now = Clock::now();
-    if (interrupted && interrupted_at == Clock::time_point::max()) interrupted_at = now;
-    const bool too_long =
-        interrupted_at != Clock::time_point::max() && now - interrupted_at > kInterruptGrace;
-    const bool too_late =
-        deadline_ != Clock::time_point::max() && now > deadline_ && now - deadline_ > kDeadlineGrace;
-    if (too_long || too_late) {
-      const int code = static_cast<int>(too_long ? ErrorCode::interrupted : ErrorCode::limit);
-      late_(code);
-      _exit(code);
+    if (!interrupted)
+      interrupted_at = Clock::time_point::max();
+    else if (interrupted_at == Clock::time_point::max())
+      interrupted_at = Clock::now();
+    if (memory_limit_ == 0 || tree_resident_bytes() <= memory_limit_)
+      full_at = Clock::time_point::max();
+    else if (full_at == Clock::time_point::max())
+      full_at = Clock::now();
+
+    std::optional<Error> end;
+    if (longer(interrupted_at, kInterruptGrace))
+      end = Error{ErrorCode::interrupted, "Interrupted; nothing was written."};
+    else if (longer(deadline_, kDeadlineGrace))
+      end = Error{ErrorCode::limit, "The time limit was reached; allow more with --time-limit."};
+    else if (longer(full_at, kMemoryGrace))
+      end = Error{ErrorCode::limit, "The memory limit of " + std::to_string(memory_limit_ >> 20) +
+                                        " MiB was reached; allow more with --memory-limit."};
+    if (end) {
+      late_(*end);
+      _exit(static_cast<int>(end->code));
     }
     wake_.wait_for(lock, kPeriod);
   }

@@ -4,9 +4,12 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <cstddef>
 #include <functional>
 #include <mutex>
 #include <thread>
+
+#include "overtet/result.h"
 
 namespace overtet {
 
@@ -19,15 +22,16 @@ void install_signal_handlers();
 class Watchdog {
  public:
   using Clock = std::chrono::steady_clock;
-  // `late` is called once, just before _exit, with the exit code (130 or 6).
-  Watchdog(Clock::time_point deadline, std::function<void(int)> late);
+  // memory_limit: bytes of the whole process tree, 0: none. `late` is called once, just before _exit.
+  Watchdog(Clock::time_point deadline, std::size_t memory_limit, std::function<void(const Error&)> late);
   ~Watchdog() { dismiss(); }
   void dismiss();  // from here on nothing is ended any more; waits for a `late` that has begun
 
  private:
   void watch();
   Clock::time_point deadline_;
-  std::function<void(int)> late_;
+  std::size_t memory_limit_;
+  std::function<void(const Error&)> late_;
   std::mutex mutex_;
   std::condition_variable wake_;
   bool dismissed_ = false;
