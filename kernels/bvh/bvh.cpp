@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 namespace overtet {
 
@@ -26,29 +25,66 @@ float round_up(double x) {
   return f < x ? std::nextafterf(f, std::numeric_limits<float>::infinity()) : f;
 }
 
+#if defined(__SSE__)
+// The fourth lane carries whatever a Box keeps there and is never read.
 struct Bounds {
-  float lo[3] = {HUGE_VALF, HUGE_VALF, HUGE_VALF}, hi[3] = {-HUGE_VALF, -HUGE_VALF, -HUGE_VALF};
+  __m128 low = _mm_set1_ps(HUGE_VALF), high = _mm_set1_ps(-HUGE_VALF);
   void add(const Box& x) {
-    for (int k = 0; k < 3; ++k) lo[k] = std::min(lo[k], x.lo[k]), hi[k] = std::max(hi[k], x.hi[k]);
+    low = _mm_min_ps(_mm_loadu_ps(x.lo), low);  // on a NaN in the fourth lane: keeps the second
+    high = _mm_max_ps(_mm_loadu_ps(x.hi), high);
   }
   void add(const Bounds& x) {
-    for (int k = 0; k < 3; ++k) lo[k] = std::min(lo[k], x.lo[k]), hi[k] = std::max(hi[k], x.hi[k]);
+    low = _mm_min_ps(x.low, low);
+    high = _mm_max_ps(x.high, high);
   }
-  void add_point(const float* p) {
-    for (int k = 0; k < 3; ++k) lo[k] = std::min(lo[k], p[k]), hi[k] = std::max(hi[k], p[k]);
+  void add_centre(const Box& x) {
+    const __m128 c = _mm_add_ps(_mm_loadu_ps(x.lo), _mm_loadu_ps(x.hi));
+    low = _mm_min_ps(c, low);
+    high = _mm_max_ps(c, high);
   }
+  void get(float* lo, float* hi) const {
+    alignas(16) float l[4], h[4];
+    _mm_store_ps(l, low);
+    _mm_store_ps(h, high);
+    std::copy(l, l + 3, lo);
+    std::copy(h, h + 3, hi);
+  }
+#else
+struct Bounds {
+  float low[3] = {HUGE_VALF, HUGE_VALF, HUGE_VALF}, high[3] = {-HUGE_VALF, -HUGE_VALF, -HUGE_VALF};
+  void add(const Box& x) {
+    for (int k = 0; k < 3; ++k) low[k] = std::min(low[k], x.lo[k]), high[k] = std::max(high[k], x.hi[k]);
+  }
+  void add(const Bounds& x) {
+    for (int k = 0; k < 3; ++k) low[k] = std::min(low[k], x.low[k]), high[k] = std::max(high[k], x.high[k]);
+  }
+  void add_centre(const Box& x) {
+    for (int k = 0; k < 3; ++k) {
+      low[k] = std::min(low[k], x.lo[k] + x.hi[k]);
+      high[k] = std::max(high[k], x.lo[k] + x.hi[k]);
+    }
+  }
+  void get(float* lo, float* hi) const {
+    std::copy(low, low + 3, lo);
+    std::copy(high, high + 3, hi);
+  }
+#endif
   double area() const {
+    float lo[3], hi[3];
+    get(lo, hi);
     const double x = double(hi[0]) - lo[0], y = double(hi[1]) - lo[1], z = double(hi[2]) - lo[2];
     return x < 0 ? 0 : x * y + y * z + z * x;
   }
 };
 
-// One subtree over order[begin, end). Written with gaps: the subtree of n faces at node s owns the slots
-// [s, s + 2 n - 1), so that two threads can write at once; the gaps are squeezed out afterwards.
+// Twice the centre of a box.
+float centre(const Box& x, int axis) { return x.lo[axis] + x.hi[axis]; }
+
+// One subtree over item[begin, end), the boxes of the faces, which are moved about so that every pass reads
+// them in a row. Written with gaps: the subtree of n faces at node s owns the slots [s, s + 2 n - 1), so
+// that two threads can write at once; the gaps are squeezed out afterwards.
 struct Builder {
-  const std::vector<Box>& box;                      // per face
-  const std::vector<std::array<float, 3>>& centre;  // per face, doubled
-  std::vector<Index>& order;
+  std::vector<Box>& item;  // a: the face
   std::vector<Box>& slot;
   std::vector<char>& used;
 
@@ -61,7 +97,7 @@ struct Builder {
       return;
     }
     const Index middle = split(begin, end, depth);
-    const std::int64_t right = s + 1 + 2 * std::int64_t{middle - begin} - 1;
+    const std::int64_t right = s + 2 * std::int64_t{middle - begin};
     slot[s].a = static_cast<std::int32_t>(right);
     slot[s].b = 0;
     if (n > kParallelBuild) {
@@ -76,29 +112,32 @@ struct Builder {
   Index split(Index begin, Index end, int depth) {
     const Index half = begin + (end - begin) / 2;
     Bounds spread;
-    for (Index i = begin; i < end; ++i) spread.add_point(centre[order[i]].data());
+    for (Index i = begin; i < end; ++i) spread.add_centre(item[i]);
+    float least[3], most[3];
+    spread.get(least, most);
     int axis = 0;
     for (int k = 1; k < 3; ++k)
-      if (spread.hi[k] - spread.lo[k] > spread.hi[axis] - spread.lo[axis]) axis = k;
-    const float low = spread.lo[axis], extent = spread.hi[axis] - low;
+      if (most[k] - least[k] > most[axis] - least[axis]) axis = k;
+    const float low = least[axis], extent = most[axis] - low;
     // Infinite boxes (coordinates beyond floats), equal centres, or a degenerating tree: halve the list.
     if (!(extent > 0) || !std::isfinite(extent) || depth > 64) {
-      std::nth_element(
-          order.begin() + begin, order.begin() + half, order.begin() + end, [&](Index x, Index y) {
-            return centre[x][axis] != centre[y][axis] ? centre[x][axis] < centre[y][axis] : x < y;
-          });
+      std::nth_element(item.begin() + begin, item.begin() + half, item.begin() + end,
+                       [&](const Box& x, const Box& y) {
+                         const float cx = centre(x, axis), cy = centre(y, axis);
+                         return cx != cy ? cx < cy : x.a < y.a;
+                       });
       return half;
     }
     const float scale = kBins / extent;
-    const auto bin_of = [&](Index f) {
-      return std::clamp(static_cast<int>((centre[f][axis] - low) * scale), 0, kBins - 1);
+    const auto bin_of = [&](const Box& x) {
+      return std::clamp(static_cast<int>((centre(x, axis) - low) * scale), 0, kBins - 1);
     };
     Bounds bounds[kBins];
     Index count[kBins] = {};
     for (Index i = begin; i < end; ++i) {
-      const int b = bin_of(order[i]);
+      const int b = bin_of(item[i]);
       ++count[b];
-      bounds[b].add(box[order[i]]);
+      bounds[b].add(item[i]);
     }
     double right_cost[kBins];
     Bounds sum;
@@ -119,9 +158,9 @@ struct Builder {
       if (seen > 0 && seen < end - begin && cost < best_cost) best_cost = cost, best = b;
     }
     if (best < 0) return half;
-    return static_cast<Index>(std::partition(order.begin() + begin, order.begin() + end,
-                                             [&](Index f) { return bin_of(f) < best; }) -
-                              order.begin());
+    return static_cast<Index>(std::partition(item.begin() + begin, item.begin() + end,
+                                             [&](const Box& x) { return bin_of(x) < best; }) -
+                              item.begin());
   }
 };
 
@@ -142,19 +181,18 @@ void TriangleBvh::build(const VertexMatrix& V, const TriangleMatrix& F) {
   face_.resize(n);
   corners_.resize(n);
   if (n == 0) return;
-  std::vector<Box> box(n);
-  std::vector<std::array<float, 3>> centre(n);
+  boxes_.resize(n);
   parallel_for(n, kFaceGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t f = begin; f < end; ++f) {
       bound(V.data() + 3 * std::int64_t{F(f, 0)}, V.data() + 3 * std::int64_t{F(f, 1)},
-            V.data() + 3 * std::int64_t{F(f, 2)}, 0, box[f]);
-      for (int k = 0; k < 3; ++k) centre[f][k] = box[f].lo[k] + box[f].hi[k];
+            V.data() + 3 * std::int64_t{F(f, 2)}, 0, boxes_[f]);
+      boxes_[f].a = static_cast<Index>(f);
+      boxes_[f].b = 0;
     }
   });
-  std::iota(face_.begin(), face_.end(), 0);
   std::vector<Box> slot(2 * static_cast<std::size_t>(n));
   std::vector<char> used(slot.size(), 0);
-  Builder{box, centre, face_, slot, used}.run(0, n, 0, 0);
+  Builder{boxes_, slot, used}.run(0, n, 0, 0);
   // Squeeze out the gaps; slots are in depth-first order, so the left child stays next to its parent.
   std::vector<std::int32_t> place(slot.size(), -1);
   std::int32_t count = 0;
@@ -167,13 +205,11 @@ void TriangleBvh::build(const VertexMatrix& V, const TriangleMatrix& F) {
     node = slot[s];
     if (node.b == 0) node.a = place[node.a];
   }
-  boxes_.resize(n);
   for (Index i = 0; i < n; ++i) {
-    boxes_[i].a = face_[i];
-    boxes_[i].b = 0;
+    face_[i] = boxes_[i].a;
     for (int k = 0; k < 3; ++k) corners_[i][k] = F(face_[i], k);
   }
-  refit(V);
+  refit_nodes();
 }
 
 template <class FaceBox>
@@ -219,7 +255,7 @@ void TriangleBvh::refit_nodes() {
       sum.add(nodes_[s + 1]);
       sum.add(nodes_[node.a]);
     }
-    for (int k = 0; k < 3; ++k) node.lo[k] = sum.lo[k], node.hi[k] = sum.hi[k];
+    sum.get(node.lo, node.hi);
   }
 }
 

@@ -178,6 +178,30 @@ bool coplanar_segment_triangle(const Plane& v, const double* p, const double* q,
   return v.inside(p, a, b, c) || v.segments(p, q, a, b) || v.segments(p, q, b, c) || v.segments(p, q, c, a);
 }
 
+// The sides of several points of one plane: its normal is computed once. Answers are orient3d's; the bound
+// is the same, over the coordinates of all points.
+template <int N>
+void sides(const double* a, const double* b, const double* c, const double* const* d, int* out) {
+  using predicates_detail::max3;
+  const double bx = b[0] - a[0], by = b[1] - a[1], bz = b[2] - a[2];
+  const double cx = c[0] - a[0], cy = c[1] - a[1], cz = c[2] - a[2];
+  const double nz = bx * cy - by * cx, nx = by * cz - bz * cy, ny = bz * cx - bx * cz;
+  double mx = std::max(std::fabs(bx), std::fabs(cx)), my = std::max(std::fabs(by), std::fabs(cy)),
+         mz = std::max(std::fabs(bz), std::fabs(cz));
+  double det[N];
+  for (int i = 0; i < N; ++i) {
+    const double dx = d[i][0] - a[0], dy = d[i][1] - a[1], dz = d[i][2] - a[2];
+    det[i] = nz * dz + nx * dx + ny * dy;
+    mx = std::max(mx, std::fabs(dx));
+    my = std::max(my, std::fabs(dy));
+    mz = std::max(mz, std::fabs(dz));
+  }
+  const bool in_range = std::min(std::min(mx, my), mz) >= 1e-97 && max3(mx, my, mz) <= 1e102;
+  const double bound = 5.12e-15 * mx * my * mz;
+  for (int i = 0; i < N; ++i)
+    out[i] = in_range && det[i] > bound ? 1 : in_range && det[i] < -bound ? -1 : orient3d(a, b, c, d[i]);
+}
+
 // p and q on different sides (or one of them on the plane) of a triangle with area.
 bool piercing(const double* p, const double* q, const double* a, const double* b, const double* c) {
   const int x = orient3d(p, q, a, b), y = orient3d(p, q, b, c);
@@ -259,9 +283,9 @@ bool triangles_intersect(const double* a0, const double* a1, const double* a2, c
   const double* a[3] = {a0, a1, a2};
   const double* b[3] = {b0, b1, b2};
   int side_b[3], side_a[3];
-  for (int k = 0; k < 3; ++k) side_b[k] = orient3d(a0, a1, a2, b[k]);
+  sides<3>(a0, a1, a2, b, side_b);
   if (side_b[0] != 0 && side_b[0] == side_b[1] && side_b[0] == side_b[2]) return false;
-  for (int k = 0; k < 3; ++k) side_a[k] = orient3d(b0, b1, b2, a[k]);
+  sides<3>(b0, b1, b2, a, side_a);
   if (side_a[0] != 0 && side_a[0] == side_a[1] && side_a[0] == side_a[2]) return false;
   // Two triangles that meet do so on an edge of one of them, coplanar or flat ones too.
   for (int k = 0; k < 3; ++k) {
@@ -274,12 +298,15 @@ bool triangles_intersect(const double* a0, const double* a1, const double* a2, c
 
 bool triangles_intersect_beyond_vertex(const double* v, const double* a, const double* b, const double* c,
                                        const double* d) {
-  const int c_side = orient3d(v, a, b, c), d_side = orient3d(v, a, b, d);
-  if (c_side * d_side > 0) return false;
-  const int a_side = orient3d(v, c, d, a), b_side = orient3d(v, c, d, b);
-  if (a_side * b_side > 0) return false;
+  const double *cd[2] = {c, d}, *ab[2] = {a, b};
+  int cd_side[2], ab_side[2];
+  sides<2>(v, a, b, cd, cd_side);
+  if (cd_side[0] * cd_side[1] > 0) return false;
+  sides<2>(v, c, d, ab, ab_side);
+  if (ab_side[0] * ab_side[1] > 0) return false;
   // Follow the ray from v through a common point to the first far edge: that edge meets the other one.
-  return segment_triangle(a, b, a_side, b_side, v, c, d) || segment_triangle(c, d, c_side, d_side, v, a, b);
+  return segment_triangle(a, b, ab_side[0], ab_side[1], v, c, d) ||
+         segment_triangle(c, d, cd_side[0], cd_side[1], v, a, b);
 }
 
 bool triangles_overlap_at_edge(const double* a, const double* b, const double* c, const double* d) {
@@ -290,23 +317,22 @@ bool triangles_overlap_at_edge(const double* a, const double* b, const double* c
 }
 
 bool faces_intersect(const double* V, const Index* f, const Index* g) {
-  int shared = 0, at_f[3], at_g[3];
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      if (f[i] == g[j] && shared < 3) {
-        at_f[shared] = i;
-        at_g[shared] = j;
-        ++shared;
-      }
-  const auto p = [&](const Index* face, int k) { return V + 3 * static_cast<std::ptrdiff_t>(face[k % 3]); };
-  if (shared == 0) return triangles_intersect(p(f, 0), p(f, 1), p(f, 2), p(g, 0), p(g, 1), p(g, 2));
-  if (shared == 1)
-    return triangles_intersect_beyond_vertex(p(f, at_f[0]), p(f, at_f[0] + 1), p(f, at_f[0] + 2),
-                                             p(g, at_g[0] + 1), p(g, at_g[0] + 2));
-  if (shared == 2)
-    return triangles_overlap_at_edge(p(f, at_f[0]), p(f, at_f[1]), p(f, 3 - at_f[0] - at_f[1]),
-                                     p(g, 3 - at_g[0] - at_g[1]));
-  return true;
+  // Bit 3 i + j: corner i of f is corner j of g. Without branches: this runs for every pair of boxes.
+  unsigned same = 0;
+  same |= unsigned{f[0] == g[0]} | unsigned{f[0] == g[1]} << 1 | unsigned{f[0] == g[2]} << 2;
+  same |= unsigned{f[1] == g[0]} << 3 | unsigned{f[1] == g[1]} << 4 | unsigned{f[1] == g[2]} << 5;
+  same |= unsigned{f[2] == g[0]} << 6 | unsigned{f[2] == g[1]} << 7 | unsigned{f[2] == g[2]} << 8;
+  const auto p = [&](const Index* face, int k) { return V + 3 * static_cast<std::ptrdiff_t>(face[k]); };
+  if (same == 0) return triangles_intersect(p(f, 0), p(f, 1), p(f, 2), p(g, 0), p(g, 1), p(g, 2));
+  constexpr int next[3] = {1, 2, 0}, after[3] = {2, 0, 1};
+  const int first = __builtin_ctz(same), i = first / 3, j = first % 3;
+  const unsigned rest = same & (same - 1);
+  if (rest == 0)
+    return triangles_intersect_beyond_vertex(p(f, i), p(f, next[i]), p(f, after[i]), p(g, next[j]),
+                                             p(g, after[j]));
+  if ((rest & (rest - 1)) != 0) return true;
+  const int second = __builtin_ctz(rest), i2 = second / 3, j2 = second % 3;
+  return triangles_overlap_at_edge(p(f, i), p(f, i2), p(f, 3 - i - i2), p(g, 3 - j - j2));
 }
 
 }  // namespace overtet
