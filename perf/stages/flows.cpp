@@ -29,6 +29,7 @@ double since(Clock::time_point t) { return std::chrono::duration<double>(Clock::
 struct Settings {
   int threads = 0;
   double time = 600, growth = overtet::ReverseFlowOptions().growth;
+  int rung = 0;
   int lock = overtet::ReverseFlowOptions().lock_iterations;
   int bisections = overtet::ForwardFlowOptions().bisections;
   bool staged = false, global = false, paper = false, ladder = false, small = false, verbose = false;
@@ -125,6 +126,8 @@ int main(int argc, char** argv) {
       settings.small = true;
     else if (a == "--bisections" && i + 1 < argc)
       settings.bisections = std::atoi(argv[++i]);
+    else if (a == "--rung" && i + 1 < argc)
+      settings.rung = std::atoi(argv[++i]);
     else if (a == "--lock" && i + 1 < argc)
       settings.lock = std::atoi(argv[++i]);
     else if (a == "--growth" && i + 1 < argc)
@@ -155,6 +158,8 @@ int main(int argc, char** argv) {
     auto forward = forward_flow_ladder();
     auto reverse = reverse_flow_ladder();
     if (settings.paper) forward = {paper_forward_flow()}, reverse = {paper_reverse_flow()};
+    if (settings.rung > 0 && settings.rung <= static_cast<int>(forward.size()))
+      forward = {forward[settings.rung - 1]}, reverse = {reverse[settings.rung - 1]};
     if (!settings.ladder) forward.resize(1), reverse.resize(1);
     if (settings.small) forward[0] = forward_flow_ladder()[1];
     for (auto& o : forward) o.bisections = settings.bisections;

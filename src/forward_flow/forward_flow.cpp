@@ -584,6 +584,14 @@ const char* to_string(FlowWeights weights) {
   return "";
 }
 
+std::vector<GlobalFlow> default_global_flows() {
+  return {{FlowWeights::clamped, 1e-4, 120},
+          {FlowWeights::uniform, 1e-4, 120},
+          {FlowWeights::intrinsic_delaunay, 1e-4, 120},
+          {FlowWeights::uniform, 1e-3, 60},
+          {FlowWeights::clamped, 2e-5, 200}};
+}
+
 Status ForwardFlowOptions::validate() const {
   const auto positive = [](double x) { return std::isfinite(x) && x > 0; };
   const auto bad = [](const std::string& what) { return Error{ErrorCode::usage, "Forward flow: " + what}; };

@@ -50,6 +50,9 @@ struct GlobalFlow {
   int max_steps = 120;
 };
 
+// Clamped, uniform, intrinsic Delaunay weights, then uniform with large and clamped with small steps.
+std::vector<GlobalFlow> default_global_flows();
+
 struct ForwardFlowOptions {
   bool regional = true;  // false: the paper's flow of everything
 
@@ -69,13 +72,8 @@ struct ForwardFlowOptions {
   double stall_drop = 0.05;       // such a relative drop of the number of pairs: stalled
   int global_stall_tests = 10;    // the global flow first lets limbs grow through each other
 
-  // Tried in this order.
-  std::vector<GlobalFlow> global = {{FlowWeights::clamped, 1e-4, 120},
-                                    {FlowWeights::uniform, 1e-4, 120},
-                                    {FlowWeights::intrinsic_delaunay, 1e-4, 120},
-                                    {FlowWeights::uniform, 1e-3, 60},
-                                    {FlowWeights::clamped, 2e-5, 200}};
-  int extra_steps = 0;      // past t*, before turning back
+  std::vector<GlobalFlow> global = default_global_flows();  // tried in this order
+  int extra_steps = 0;                                      // past t*, before turning back
   int bisections = 4;       // between the last state that crosses and the first that does not, per cluster
   bool keep_states = true;  // V_t of every step, for a staged reverse flow
 

@@ -309,6 +309,10 @@ class Reverse {
     for (int round = 0;; ++round) {
       const std::vector<ContactMesh::Hit> hits = mesh.check_step(U, P);
       if (hits.empty()) return;
+      if (context_.stop()) {
+        P.setZero();  // the caller's loop says why
+        return;
+      }
       // By vertex, how much of its step is certain to be safe: the least of its pairs.
       std::vector<std::pair<Index, double>> offenders;
       for (const auto& hit : hits)
@@ -378,7 +382,7 @@ class Reverse {
       const std::vector<ContactMesh::Hit> hits = mesh.check_step(U, P);
       if (hits.empty()) return true;
       ++record.halvings;
-      if (round == kRounds) {
+      if (round == kRounds || context_.stop()) {
         P.setZero();
         return true;
       }
