@@ -298,8 +298,8 @@ class Flow {
   }
 
  private:
-  // Needles flow through each other by the thousand; no later step brings that back.
-  bool exploded(Index pairs) const { return pairs > 10 * static_cast<double>(pairs_.size()) + 1000; }
+  // Needles flow through each other by the hundred; no later step brings that back.
+  bool exploded(Index pairs) const { return pairs > 10 * static_cast<double>(pairs_.size()) + 100; }
 
   bool still_meets(const VertexMatrix& X, const IndexPair& p) const {
     return faces_intersect(X.data(), s_.F.row(p.a).data(), s_.F.row(p.b).data());
@@ -481,7 +481,7 @@ class Flow {
         state[c] = n[c] == 0 ? State::clean : State::running;
         // Its own count may rest while others still move into it, so a clean spell does not reset it.
         // Only full counts are compared with full counts.
-        if (full && n[c] > 0 && stagnation[c].stalled(n[c])) state[c] = State::stalled;
+        if (full && n[c] > 0 && (stagnation[c].stalled(n[c]) || exploded(n[c]))) state[c] = State::stalled;
         any_running = any_running || state[c] == State::running;
       }
       if (!any_running) break;

@@ -246,6 +246,7 @@ class Reverse {
       } else if (!pin(mesh, system, entries, diagonal, g, U, h, P, force, mass, record)) {
         return true;
       }
+      if (const auto stop = context_.stop()) return *stop;  // the line search may have ended early
       VertexMatrix next = U + P;
       double move = 0;
       for (Index v : local_.row_vertex) move = std::max(move, P.row(v).norm() / h[v]);
