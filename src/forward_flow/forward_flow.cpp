@@ -292,9 +292,11 @@ class Flow {
       if (!done) return done.error();
       if (done.value()) return std::move(result_);
     }
-    return Error{ErrorCode::unsolved, "The forward flow could not remove the self-intersections: at best " +
-                                          std::to_string(fewest_) + " of " + std::to_string(pairs_.size()) +
-                                          " intersecting face pairs were left."};
+    return Error{ErrorCode::unsolved,
+                 "The forward flow could not remove the self-intersections: the input has " +
+                     std::to_string(pairs_.size()) +
+                     " intersecting face pairs, and no flowed state had fewer than " +
+                     std::to_string(fewest_) + "."};
   }
 
  private:
