@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "kernels/arap/arap.h"
+#include "kernels/bvh/self_intersections.h"
 #include "kernels/contact/contact.h"
 #include "kernels/laplacian/laplacian.h"
 #include "kernels/parallel/parallel.h"
@@ -526,12 +527,8 @@ Result<ReverseFlowResult> reverse_flow(const Surface& surface, const VertexMatri
   for (const VertexMatrix& W : stages)
     if (W.rows() != surface.V.rows() || !W.allFinite()) return bad("a stored state is broken.");
   const ScopedThreads threads(context.threads);
-  {
-    ContactMesh mesh(start, surface.F, std::vector<char>(n, 1));
-    const auto left = mesh.intersections(start);
-    if (!left.empty())
-      return bad("the start has " + std::to_string(left.size()) + " intersecting face pairs.");
-  }
+  const auto left = find_self_intersections(start, surface.F);
+  if (!left.empty()) return bad("the start has " + std::to_string(left.size()) + " intersecting face pairs.");
   ReverseFlowResult result;
   result.U0 = start;
   for (std::size_t v = 0; v < n; ++v)
@@ -589,8 +586,7 @@ Status check_postconditions(const Surface& surface, const std::vector<char>& fre
   if (!result.U0.allFinite()) return bad("a coordinate is not finite.");
   for (std::size_t v = 0; v < free.size(); ++v)
     if (!free[v] && result.U0.row(v) != surface.V.row(v)) return bad("a frozen vertex moved.");
-  ContactMesh mesh(result.U0, surface.F, std::vector<char>(free.size(), 1));
-  const auto left = mesh.intersections(result.U0);
+  const auto left = find_self_intersections(result.U0, surface.F);  // not the code that made it
   if (!left.empty()) return bad(std::to_string(left.size()) + " pairs intersect.");
   return success();
 }

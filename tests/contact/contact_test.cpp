@@ -8,6 +8,7 @@
 #include <set>
 #include <tuple>
 
+#include "kernels/bvh/self_intersections.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/predicates/predicates.h"
 #include "tests/support/flow_surfaces.h"
@@ -182,6 +183,9 @@ TEST(ContactMesh, IntersectionsMatchBruteForce) {
   ContactMesh mesh(s.V, s.F, std::vector<char>(s.V.rows(), 1));
   const auto found = mesh.intersections(s.V);
   EXPECT_EQ(std::set<IndexPair>(found.begin(), found.end()), expected);
+  std::set<IndexPair> other;
+  for (const auto& [f, g] : find_self_intersections(s.V, s.F)) other.insert({f, g});
+  EXPECT_EQ(other, expected);
 }
 
 TEST(ContactMesh, ContactsMatchBruteForceFrozenOrNot) {
