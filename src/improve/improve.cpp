@@ -39,8 +39,9 @@ struct Bad {
 Status ImproveOptions::validate() const {
   if (!(target_degrees > 0 && target_degrees <= 40))
     return Error{ErrorCode::usage, "The target angle must lie between 0 and 40 degrees."};
-  if (!(insert_below_degrees >= 0 && insert_below_degrees <= target_degrees))
-    return Error{ErrorCode::usage, "Vertices can be inserted for tets below the target angle only."};
+  if (!(insert_below_degrees >= 0 && insert_below_degrees <= 40))
+    return Error{ErrorCode::usage,
+                 "The angle below which vertices are inserted must lie between 0 and 40 degrees."};
   if (!(growth >= 1)) return Error{ErrorCode::usage, "The allowed growth of the mesh must be at least 1."};
   if (passes < 0) return Error{ErrorCode::usage, "The number of passes must not be negative."};
   if (!(seconds >= 0)) return Error{ErrorCode::usage, "The time for the quality pass must not be negative."};
@@ -60,7 +61,8 @@ Result<ImproveResult> improve(TetComplex& mesh, const ImproveOptions& options, c
   ImproveResult result;
   result.before = statistics(mesh);
   LocalOperations work(mesh);
-  const double insert_below = std::sin(options.insert_below_degrees * M_PI / 180);
+  const double insert_below =
+      std::sin(std::min(options.insert_below_degrees, options.target_degrees) * M_PI / 180);
   const auto most_tets =
       static_cast<std::int64_t>(options.growth * static_cast<double>(mesh.tet_count())) + 100;
 

@@ -360,7 +360,8 @@ double LocalOperations::optimise(Vector3d& x, double q, int rounds) {
     for (const double factor : kActiveFactor) {
       const double limit = least + std::log(factor);
       std::array<Vector3d, kMostActive> active;
-      std::array<double, kMostActive> value;
+      active.fill(Vector3d::Zero());
+      std::array<double, kMostActive> value{};
       int n = 0;
       for (const Active& a : all) {
         if (a.log_sine > limit) continue;
@@ -479,6 +480,54 @@ bool LocalOperations::move_towards(Index v, const Vector3d& target) {
     quality_[t] = quality_of(c[0], c[1], c[2], c[3]);
   }
   changed_ = star_;
+  return true;
+}
+
+bool LocalOperations::place(Index v, const Vector3d& p) {
+  mesh_.star(v, star_);
+  const Vector3d from = mesh_.position(v);
+  mesh_.move(v, p);
+  for (std::size_t i = 0; i < star_.size(); ++i) {
+    const auto& c = mesh_.tet(star_[i]);
+    const double q = quality_of(c[0], c[1], c[2], c[3]);
+    if (q > 0) {
+      quality_[star_[i]] = q;
+      continue;
+    }
+    mesh_.move(v, from);
+    for (std::size_t j = 0; j < i; ++j) {
+      const auto& b = mesh_.tet(star_[j]);
+      quality_[star_[j]] = quality_of(b[0], b[1], b[2], b[3]);
+    }
+    return false;
+  }
+  changed_ = star_;
+  return true;
+}
+
+bool LocalOperations::place_all(std::span<const Index> vertices, std::span<const Vector3d> positions,
+                                std::span<const Index> tets) {
+  std::vector<Vector3d> from;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    from.push_back(mesh_.position(vertices[i]));
+    mesh_.move(vertices[i], positions[i]);
+  }
+  bool good = true;
+  std::vector<double> quality;
+  for (const Index t : tets) {
+    const auto& c = mesh_.tet(t);
+    quality.push_back(quality_of(c[0], c[1], c[2], c[3]));
+    if (!(quality.back() > 0)) {
+      good = false;
+      break;
+    }
+  }
+  if (!good) {
+    for (std::size_t i = 0; i < vertices.size(); ++i) mesh_.move(vertices[i], from[i]);
+    return false;
+  }
+  for (std::size_t i = 0; i < tets.size(); ++i) quality_[tets[i]] = quality[i];
+  changed_.assign(tets.begin(), tets.end());
   return true;
 }
 

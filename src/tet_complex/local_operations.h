@@ -21,6 +21,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "src/tet_complex/tet_complex.h"
@@ -67,6 +68,14 @@ class LocalOperations {
   bool smooth(Index v, double gain = 1.001);
   // The same towards a given place: the best of a few points on the way. Must improve the worst.
   bool move_towards(Index v, const Eigen::Vector3d& target);
+
+  // Moves any vertex, boundary ones included, when every tet of its star stays exactly positive. (Volume is
+  // linear in one vertex, so it is positive on the whole way: no edge gets another turn.)
+  bool place(Index v, const Eigen::Vector3d& p);
+  // Moves many at once, or none: when every one of `tets` (all that have a moved corner) is exactly positive
+  // afterwards. One turn around every edge is the caller's affair here.
+  bool place_all(std::span<const Index> vertices, std::span<const Eigen::Vector3d> positions,
+                 std::span<const Index> tets);
 
   static constexpr int kLargestRing = 10;
 

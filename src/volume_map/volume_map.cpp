@@ -1,0 +1,371 @@
+#include "src/volume_map/volume_map.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+
+#include "kernels/predicates/predicates.h"
+#include "kernels/tet_energy/tet_energy.h"
+#include "kernels/tet_energy/tet_quality.h"
+#include "src/tet_complex/local_operations.h"
+#include "src/volume_map/patch.h"
+
+namespace overtet {
+
+namespace {
+
+using Eigen::Vector3d;
+using namespace volume_map_detail;
+
+// Local remeshing looks at tets below this smallest dihedral sine.
+constexpr double kRemeshBelow = 0.3;
+// Angles closer to their goals than this are on the right branch (half a turn apart would be pi).
+constexpr double kBranchReached = 2.5;
+// Surface rings around wound edges whose angles are driven, and that are free, in the branch stage.
+constexpr int kGoalRings = 1, kBranchRings = 4;
+constexpr int kBranchRefinements = 2;
+// In mean edges.
+constexpr double kSnapReach = 0.5;
+constexpr double kTurnTolerance = 1;  // radians, around an interior edge; a wrong one is off by 2 pi
+
+double seconds_since(RunContext::Clock::time_point t) {
+  return std::chrono::duration<double>(RunContext::Clock::now() - t).count();
+}
+
+// The dihedral angle inside the surface at an edge, in (0, 2 pi): faces (a, b, c) and (b, a, d), outward.
+double surface_angle(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& d) {
+  const Vector3d e = (b - a).normalized();
+  const Vector3d u = (c - a) - e * e.dot(c - a), w = (d - a) - e * e.dot(d - a);
+  // Around e, the inside begins at face (a, b, c), whose outward normal is e x u, and turns to w.
+  const double angle = std::atan2(-e.cross(u).dot(w), u.dot(w));
+  return angle > 0 ? angle : angle + 2 * M_PI;
+}
+
+class Mapper {
+ public:
+  Mapper(const TetMesh& mesh, const VertexMatrix& target, std::span<const WoundEdge> wound,
+         const VolumeMapOptions& options, const RunContext& context)
+      : target_(target),
+        options_(options),
+        context_(context),
+        nb_(mesh.surface_vertices),
+        begin_(RunContext::Clock::now()),
+        mesh_(mesh.V, mesh.T),
+        solver_(target, length_) {
+    length_.assign(mesh.V.rows(), 0);
+    std::vector<int> count(mesh.V.rows(), 0);
+    for (Index t = 0; t < mesh_.tet_capacity(); ++t) {
+      const auto& c = mesh_.tet(t);
+      for (int i = 0; i < 4; ++i)
+        for (int j = i + 1; j < 4; ++j) {
+          const double l = (mesh_.position(c[i]) - mesh_.position(c[j])).norm();
+          length_[c[i]] += l;
+          length_[c[j]] += l;
+          ++count[c[i]];
+          ++count[c[j]];
+        }
+    }
+    for (std::size_t v = 0; v < length_.size(); ++v) length_[v] /= std::max(count[v], 1);
+    surface_ = mesh_.boundary();
+    std::map<std::array<Index, 2>, Index> opposite;
+    for (const auto& f : surface_)
+      for (int k = 0; k < 3; ++k) opposite[{f[k], f[(k + 1) % 3]}] = f[(k + 2) % 3];
+    std::map<std::array<Index, 2>, int> turns;
+    for (const WoundEdge& w : wound) turns[{std::min(w.a, w.b), std::max(w.a, w.b)}] = w.k;
+    for (const auto& [edge, c] : opposite) {
+      const auto [a, b] = edge;
+      if (a > b) continue;
+      const auto other = opposite.find({b, a});
+      if (other == opposite.end()) continue;
+      const auto k = turns.find({a, b});
+      const auto at = [&](Index v) { return Vector3d(target_.row(v)); };
+      goals_.push_back({a, b,
+                        surface_angle(at(a), at(b), at(c), at(other->second)) +
+                            2 * M_PI * (k == turns.end() ? 0 : k->second)});
+    }
+    wound_ = !wound.empty();
+    // Rings on the surface around the wound edges.
+    near_wound_.assign(nb_, 1 << 20);
+    for (const WoundEdge& w : wound) near_wound_[w.a] = near_wound_[w.b] = 0;
+    for (int ring = 0; ring < kBranchRings; ++ring)
+      for (const auto& f : surface_)
+        for (int k = 0; k < 3; ++k)
+          if (near_wound_[f[k]] == ring)
+            for (const Index v : f) near_wound_[v] = std::min(near_wound_[v], ring + 1);
+  }
+
+  Result<VolumeMapResult> run() {
+    if (auto status = pull(); !status.ok()) return status.error();
+    mesh_.compact(nb_);
+    result_.mesh = mesh_.to_mesh(nb_);
+    result_.seconds = seconds_since(begin_);
+    return std::move(result_);
+  }
+
+ private:
+  std::string place_of(Index v) const {
+    const Vector3d p = target_.row(v);
+    return "vertex " + std::to_string(v) + " at (" + std::to_string(p[0]) + ", " + std::to_string(p[1]) +
+           ", " + std::to_string(p[2]) + ")";
+  }
+
+  bool home(Index v) const { return mesh_.position(v) == Vector3d(target_.row(v)); }
+
+  std::vector<Index> away() const {
+    std::vector<Index> list;
+    for (Index v = 0; v < nb_; ++v)
+      if (!home(v)) list.push_back(v);
+    return list;
+  }
+
+  double distance(Index v) const {
+    return (mesh_.position(v) - Vector3d(target_.row(v))).norm() / length_[v];
+  }
+
+  void remesh(LocalOperations& work, const Patch& patch) {
+    static constexpr int kEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+    struct Bad {
+      double quality;
+      Index tet;
+      TetComplex::Tet corners;
+    };
+    std::vector<Bad> bad;
+    for (const Index t : patch.tets)
+      if (mesh_.alive(t) && work.quality(t) < kRemeshBelow) bad.push_back({work.quality(t), t, mesh_.tet(t)});
+    std::sort(bad.begin(), bad.end(), [](const Bad& x, const Bad& y) {
+      return x.quality != y.quality ? x.quality < y.quality : x.tet < y.tet;
+    });
+    for (const Bad& b : bad) {
+      if (!mesh_.alive(b.tet) || mesh_.tet(b.tet) != b.corners) continue;
+      bool done = false;
+      for (const auto& e : kEdges)
+        if (!done) done = work.remove_edge(b.tet, b.corners[e[0]], b.corners[e[1]]);
+      for (int k = 0; k < 4 && !done; ++k) done = work.flip_23(b.tet, k);
+      for (const auto& e : kEdges)
+        if (!done)
+          done = work.collapse(b.corners[e[0]], b.corners[e[1]]) ||
+                 work.collapse(b.corners[e[1]], b.corners[e[0]]);
+    }
+    length_.resize(mesh_.vertex_count(), 0);
+  }
+
+  // Splits the star of a vertex that resists: edges opposite to it, or edges at it.
+  Index refine(LocalOperations& work, Index v, bool radial) {
+    std::vector<Index> star;
+    mesh_.star(v, star);
+    std::vector<std::array<Index, 2>> edges;
+    for (const Index t : star) {
+      const auto& c = mesh_.tet(t);
+      for (int i = 0; i < 4; ++i)
+        for (int j = i + 1; j < 4; ++j)
+          if ((c[i] == v || c[j] == v) == radial)
+            edges.push_back({std::min(c[i], c[j]), std::max(c[i], c[j])});
+    }
+    std::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    Index made = 0;
+    for (const auto& [a, b] : edges) {
+      const double l = 0.5 * (length_[a] + length_[b]);
+      if (!work.split_edge(a, b, (mesh_.position(a) + mesh_.position(b)) / 2)) continue;
+      length_.push_back(l);
+      ++made;
+    }
+    return made;
+  }
+
+  // Home in one move, for those that are near: a vertex that jumps ahead of its neighbours locks them.
+  Index snap(LocalOperations& work, std::vector<Index>& list, double reach) {
+    std::sort(list.begin(), list.end(), [&](Index a, Index b) {
+      const double da = distance(a), db = distance(b);
+      return da != db ? da < db : a < b;
+    });
+    Index count = 0;
+    for (const Index v : list)
+      if (distance(v) <= reach) count += work.place(v, target_.row(v));
+    list = away();
+    return count;
+  }
+
+  double angle_error(const std::vector<AngleGoal>& goals) const {
+    double most = 0;
+    for (const AngleGoal& g : goals)
+      most = std::max(most, std::fabs(PatchSolver::interior_angle(mesh_, g.a, g.b) - g.angle));
+    return most;
+  }
+
+  Status pull() {
+    std::vector<Index> list = away();
+    result_.away_at_start = static_cast<Index>(list.size());
+    LocalOperations work(mesh_);
+    work.allow_fixed_chords(false);
+    double force = options_.first_pull;
+    int stalled = 0, refinements = 0;
+    bool branch_stage = wound_;
+    int branch_rounds = 0;
+    std::vector<Vector3d> positions;
+    double last_distances = 1e300;
+    for (int round = 0; !list.empty(); ++round) {
+      if (auto error = context_.stop()) return *error;
+      if (round >= options_.rounds || seconds_since(begin_) > options_.seconds ||
+          refinements > options_.refinements)
+        return Error{ErrorCode::unsolved,
+                     "The volume map locks: " + std::to_string(list.size()) +
+                         " boundary vertices do not reach their places, the farthest is " +
+                         place_of(farthest(list)) + "."};
+      const auto round_begin = RunContext::Clock::now();
+      std::vector<char> may_move(nb_, 0);
+      for (const Index v : list) may_move[v] = 1;
+      std::vector<Index> seeds = list;
+      if (branch_stage)
+        seeds.erase(std::remove_if(seeds.begin(), seeds.end(),
+                                   [&](Index v) { return near_wound_[v] > kBranchRings; }),
+                    seeds.end());
+      auto patches = solver_.grow(mesh_, seeds, options_.interior_rings, 0, may_move);
+      double error = 0;
+      for (Patch& patch : patches) {
+        // Angles at boundary edges with an end that is away; for the branch those around wound edges count.
+        if (wound_) {
+          for (const AngleGoal& g : goals_)
+            if (branch_stage && std::min(near_wound_[g.a], near_wound_[g.b]) > kGoalRings) {
+            } else if ((may_move[g.a] && std::binary_search(patch.free.begin(), patch.free.end(), g.a)) ||
+                       (may_move[g.b] && std::binary_search(patch.free.begin(), patch.free.end(), g.b)))
+              patch.goals.push_back(g);
+        }
+        error = std::max(error, angle_error(patch.goals));
+        PatchForces forces;
+        forces.pull = branch_stage ? options_.branch_pull : force;
+        forces.angle_weight = !wound_ ? 0 : branch_stage ? options_.angle_weight : std::max(1.0, force);
+        for (int newton = 0; newton < 4; ++newton) {
+          if (!solver_.step(mesh_, patch, forces, positions)) break;
+          // Exact positivity decides; rounding may say no at the end of a good way: go half of it.
+          bool placed = work.place_all(patch.free, positions, patch.tets);
+          for (int half = 0; half < 6 && !placed; ++half) {
+            for (std::size_t i = 0; i < positions.size(); ++i)
+              positions[i] = 0.5 * (positions[i] + mesh_.position(patch.free[i]));
+            placed = work.place_all(patch.free, positions, patch.tets);
+          }
+          if (!placed) break;
+        }
+        remesh(work, patch);
+      }
+      VolumeMapRound record;
+      if (!branch_stage) snap(work, list, refinements > 0 ? 1e300 : kSnapReach);
+      record.away = static_cast<Index>(list.size());
+      record.farthest = list.empty() ? 0 : distance(farthest(list));
+      record.pull = branch_stage ? options_.branch_pull : force;
+      record.angle_error = error;
+      record.tets = mesh_.tet_count();
+      record.seconds = seconds_since(round_begin);
+      result_.rounds.push_back(record);
+      context_.report("volume_map", double(round) / options_.rounds,
+                      std::to_string(list.size()) + " vertices to pull");
+      context_.note(LogLevel::debug,
+                    "volume map: " + std::to_string(record.away) + " away by " +
+                        std::to_string(record.farthest) + ", pull " + std::to_string(record.pull) +
+                        ", angle " + std::to_string(record.angle_error) + ", patches " +
+                        std::to_string(patches.size()) + ", " + std::to_string(record.seconds) + " s");
+      if (branch_stage) {
+        ++branch_rounds;
+        if (error < kBranchReached || branch_rounds >= options_.branch_rounds) branch_stage = false;
+        if (branch_rounds % 4 == 0 && branch_rounds <= kBranchRefinements * 4)
+          for (const AngleGoal& g : goals_)
+            if ((may_move[g.a] || may_move[g.b]) &&
+                std::min(near_wound_[g.a], near_wound_[g.b]) <= kGoalRings &&
+                std::fabs(PatchSolver::interior_angle(mesh_, g.a, g.b) - g.angle) > kBranchReached) {
+              result_.refinements += refine(work, g.a, branch_rounds % 8 == 0);
+              result_.refinements += refine(work, g.b, branch_rounds % 8 == 0);
+            }
+        continue;
+      }
+      double distances = 0;
+      for (const Index v : list) distances += distance(v);
+      const bool fast = distances < 0.85 * last_distances, progress = distances < 0.98 * last_distances;
+      last_distances = distances;
+      stalled = progress ? 0 : stalled + 1;
+      // The force grows when what it can do is done.
+      if (!fast && force < options_.largest_pull) force *= options_.pull_growth;
+      if (stalled >= 4) {
+        for (const Index v : list) result_.refinements += refine(work, v, refinements % 2 == 1);
+        ++refinements;
+        stalled = 0;
+        force = std::max(options_.first_pull, force / 200);
+      }
+    }
+    return success();
+  }
+
+  Index farthest(const std::vector<Index>& list) const {
+    Index best = list.front();
+    for (const Index v : list)
+      if (distance(v) > distance(best)) best = v;
+    return best;
+  }
+
+  const VertexMatrix& target_;
+  const VolumeMapOptions& options_;
+  const RunContext& context_;
+  const Index nb_;
+  const RunContext::Clock::time_point begin_;
+  TetComplex mesh_;
+  std::vector<double> length_;  // per vertex: mean edge length of the embedding
+  PatchSolver solver_;
+  std::vector<std::array<Index, 3>> surface_;
+  std::vector<AngleGoal> goals_;
+  bool wound_ = false;
+  std::vector<int> near_wound_;  // per surface vertex: rings from a wound edge, a large number beyond
+  VolumeMapResult result_;
+};
+
+}  // namespace
+
+Status VolumeMapOptions::validate() const {
+  if (interior_rings < 1 || rounds < 1 || branch_rounds < 0 || refinements < 0)
+    return Error{ErrorCode::usage, "The volume map's counts must not be negative."};
+  if (!(first_pull > 0 && pull_growth > 1 && largest_pull >= first_pull && branch_pull >= 0 &&
+        angle_weight > 0 && seconds > 0))
+    return Error{ErrorCode::usage, "The volume map's forces must be positive and grow."};
+  return success();
+}
+
+Result<VolumeMapResult> volume_map(const TetMesh& mesh, const VertexMatrix& target,
+                                   std::span<const WoundEdge> wound, const VolumeMapOptions& options,
+                                   const RunContext& context) {
+  if (auto status = options.validate(); !status.ok()) return status.error();
+  if (target.rows() != mesh.surface_vertices)
+    return Error{ErrorCode::usage, "The volume map needs one target for each surface vertex."};
+  return Mapper(mesh, target, wound, options, context).run();
+}
+
+Status check_postconditions(const VolumeMapResult& result, const VertexMatrix& target) {
+  const auto broken = [](const std::string& what) {
+    return Error{ErrorCode::internal, "The volume map's result is wrong: " + what + "."};
+  };
+  const TetMesh& m = result.mesh;
+  if (m.V.rows() < target.rows() ||
+      std::memcmp(m.V.data(), target.data(), sizeof(double) * target.size()) != 0)
+    return broken("a boundary vertex is not at its place");
+  const TetComplex mesh(m.V, m.T);
+  std::map<std::array<Index, 2>, double> turn;
+  for (Index t = 0; t < mesh.tet_capacity(); ++t) {
+    const auto& c = mesh.tet(t);
+    const auto p = [&](int k) { return mesh.position(c[k]).data(); };
+    if (orient3d(p(0), p(1), p(2), p(3)) <= 0) return broken("tet " + std::to_string(t) + " is not positive");
+    const auto angle =
+        dihedral_angles(mesh.position(c[0]), mesh.position(c[1]), mesh.position(c[2]), mesh.position(c[3]));
+    static constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
+    for (int e = 0; e < 6; ++e)
+      turn[{std::min(c[kEdges[e][0]], c[kEdges[e][1]]), std::max(c[kEdges[e][0]], c[kEdges[e][1]])}] +=
+          angle[e];
+  }
+  for (const auto& f : mesh.boundary())
+    for (int k = 0; k < 3; ++k) turn.erase({std::min(f[k], f[(k + 1) % 3]), std::max(f[k], f[(k + 1) % 3])});
+  for (const auto& [edge, sum] : turn)
+    if (std::fabs(sum - 2 * M_PI) > kTurnTolerance)
+      return broken("edge " + std::to_string(edge[0]) + "-" + std::to_string(edge[1]) +
+                    " does not make one turn");
+  return success();
+}
+
+}  // namespace overtet
