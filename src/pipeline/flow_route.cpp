@@ -101,9 +101,7 @@ Result<TetMesh> map(const FlowRoute& r, const TetMesh& mesh) {
     const VolumeMapResult& x = mapped.value();
     record.iterations = static_cast<std::int64_t>(x.rounds.size());
     record.figures = {{"tets", std::int64_t{x.mesh.T.rows()}},
-                      {"inverted_at_start", std::int64_t{x.inverted_at_start}},
-                      {"patches", std::int64_t{x.patches}},
-                      {"released", std::int64_t{x.released}},
+                      {"away_at_start", std::int64_t{x.away_at_start}},
                       {"refinements", std::int64_t{x.refinements}}};
     return std::move(mapped.value().mesh);
   });
