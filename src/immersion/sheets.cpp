@@ -1,5 +1,4 @@
 #include "src/immersion/sheets.h"
-#include <cstdio>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -7,6 +6,8 @@
 #include <functional>
 #include <map>
 #include <numeric>
+#include <optional>
+#include <set>
 #include <string>
 #include <tuple>
 
@@ -24,6 +25,13 @@ constexpr std::size_t kMostOptions = 20000;
 
 // Search steps before the constraint problem counts as unsolved; natural inputs need about one a region.
 constexpr std::int64_t kMostSearchNodes = 2'000'000;
+
+// Rounds of the search with free edges; each but the last has found edges whose parts did not agree.
+constexpr int kFreeRounds = 4;
+
+// A wound edge that other faces pierce counts like this many others: its points are hard to take off the
+// boundary.
+constexpr double kPiercedCost = 50;
 
 Triple sorted(Triple t) {
   std::sort(t.begin(), t.end());
@@ -151,7 +159,9 @@ struct Fan {
 };
 
 // Follows every copy around the edge. chosen: per region, its option.
-bool satisfied(const Fan& fan, const std::vector<const Option*>& chosen, const std::vector<Region>& regions) {
+// turns: what every pass must make instead of its own number, if not negative.
+bool satisfied(const Fan& fan, const std::vector<const Option*>& chosen, const std::vector<Region>& regions,
+               int turns_wanted = -1) {
   const int n = static_cast<int>(fan.leaves.size());
   // Copy `copy` in the cell on `side` of a leaf crosses the leaf: (other side's copy) or -1 - local sheet.
   const auto cross = [&](int leaf, int side, int copy) {
@@ -191,7 +201,8 @@ bool satisfied(const Fan& fan, const std::vector<const Option*>& chosen, const s
       leaf = arrival / 2, side = arrival % 2;
       const int next = cross(leaf, side, copy);
       if (next < 0) {
-        if (leaf != pass.to || -1 - next != pass.to_sheet || turns != pass.turns) return false;
+        const int wanted = turns_wanted < 0 ? pass.turns : turns_wanted;
+        if (leaf != pass.to || -1 - next != pass.to_sheet || turns != wanted) return false;
         break;
       }
       if (leaf == pass.from) ++turns;
@@ -239,11 +250,37 @@ class Assigner {
     if (auto error = find_windings()) return *error;
     cut_handles();
     if (auto error = find_edges()) return *error;
-    if (auto error = solve()) return *error;
-    return std::move(out_);
+    std::optional<Error> failure = solve();
+    if (!failure) return std::move(out_);
+    if (failure->code != ErrorCode::unsolved) return *failure;
+    // The wound edges given leave no gluing. Let every edge that could be wound take part in the search.
+    free_ = true;
+    for (int round = 0; round < kFreeRounds; ++round) {
+      reset();
+      if (auto error = find_edges()) return *error;
+      if (auto error = solve()) return error->code == ErrorCode::unsolved ? *failure : *error;
+      if (settle_free_edges()) return std::move(out_);
+    }
+    return *failure;
   }
 
  private:
+  using Edge = std::pair<Index, Index>;  // of the input, smaller vertex first
+
+  void reset() {
+    for (Facet& f : out_.facets) f.region = -1, f.flipped = false, f.slots = -1;
+    out_.regions.clear();
+    out_.slot_map.clear();
+    region_front_.clear();
+    region_back_.clear();
+    fans_.clear();
+    fan_place_.clear();
+    options_.clear();
+    open_members_.clear();
+    free_fans_.clear();
+    free_groups_.clear();
+  }
+
   std::string place(Index vertex) const {
     const auto p = tets_.V.row(vertex);
     return "(" + std::to_string(p[0]) + ", " + std::to_string(p[1]) + ", " + std::to_string(p[2]) + ")";
@@ -511,11 +548,20 @@ class Assigner {
     std::map<std::pair<Index, int>, std::vector<Index>> link_sheets;  // only where there are several
     std::vector<std::pair<std::size_t, std::size_t>> special;
     std::vector<Fan::Pass> passes;
+    Edge over;
+    std::set<Edge> covered;
+    if (free_)
+      if (auto error = find_covered_edges(uses, covered)) return error;
     for (std::size_t b = 0; b < uses.size();) {
       std::size_t e = b + 1;
       while (e < uses.size() && uses[e].p == uses[b].p && uses[e].q == uses[b].q) ++e;
       const std::span<const EdgeUse> group(uses.data() + b, e - b);
-      if (auto error = find_passes(group, passes)) return error;
+      if (auto error = find_passes(group, passes, over)) return error;
+      if (covered.count(over)) {
+        free_groups_[over].emplace_back(b, e);
+        b = e;
+        continue;
+      }
       bool plain = group.size() == 2;
       for (const Fan::Pass& p : passes) plain &= p.turns == 0 && p.from != p.to;
       if (plain) {
@@ -580,12 +626,102 @@ class Assigner {
       const std::span<const EdgeUse> group(uses.data() + b, e - b);
       distinct.try_emplace(make_fan(group), group[0].p);
     }
+    for (const auto& [edge, groups] : free_groups_)
+      for (const auto& [b, e] : groups) {
+        const auto given = turns_.find(edge);
+        free_fans_.push_back({make_fan(std::span<const EdgeUse>(uses.data() + b, e - b)), edge,
+                              given == turns_.end() ? 0 : given->second, groups.size() > 1});
+      }
     for (const auto& [fan, vertex] : distinct) {
       fans_.push_back(fan);
       fan_place_.push_back(vertex);
     }
     out_.constraints = static_cast<Index>(fans_.size());
     return std::nullopt;
+  }
+
+  // Input edges that could be wound: nothing else meets them but in points, and the outer side is covered all
+  // along.
+  std::optional<Error> find_covered_edges(const std::vector<EdgeUse>& uses, std::set<Edge>& covered) const {
+    std::set<Edge> excluded = refused_;
+    std::vector<Fan::Pass> passes;
+    Edge over;
+    for (std::size_t b = 0; b < uses.size();) {
+      std::size_t e = b + 1;
+      while (e < uses.size() && uses[e].p == uses[b].p && uses[e].q == uses[b].q) ++e;
+      const std::span<const EdgeUse> group(uses.data() + b, e - b);
+      b = e;
+      if (auto error = find_passes(group, passes, over)) return error;
+      if (over.first < 0) continue;
+      bool fits = group.size() == 2;
+      for (const EdgeUse& use : group) {
+        const Facet& f = out_.facets[use.facet];
+        fits = fits && sheet_count(use.facet) == 1 &&
+               out_.winding_of(sheet(use.facet, 0).sign > 0 ? f.front : f.back) >= 1;
+      }
+      (fits ? covered : excluded).insert(over);
+    }
+    for (const Edge& edge : excluded) covered.erase(edge);
+    return std::nullopt;
+  }
+
+  // An edge that may be wound: any number of extra turns that its fan allows.
+  struct FreeFan {
+    Fan fan;
+    Edge edge;
+    int given;     // turns it was proposed to have
+    bool pierced;  // the input edge has several parts
+  };
+
+  // Extra turns at a free edge under the present choice; -1: none fits.
+  int turns_at(const FreeFan& f) const {
+    const Region& r = out_.regions[f.fan.leaves[0].region];
+    const int most = std::min(r.front_winding, r.back_winding);
+    for (int turns = 0; turns <= most; ++turns)
+      if (satisfied(f.fan, chosen_, out_.regions, turns)) return turns;
+    return -1;
+  }
+
+  // Fewer wound edges: regions change their gluing where nothing forbids it. Then every part of an input edge
+  // must have the same number of turns; edges that do not are refused for the next round.
+  bool settle_free_edges() {
+    const auto cost = [&](Index r) {
+      double sum = 0;
+      for (const Index i : free_fans_of_[r]) {
+        const int turns = turns_at(free_fans_[i]);
+        if (turns < 0) return std::numeric_limits<double>::infinity();
+        sum += turns * (free_fans_[i].pierced ? kPiercedCost : 1.0);
+      }
+      return sum;
+    };
+    for (bool better = true; better;) {
+      better = false;
+      for (Index r = 0; r < static_cast<Index>(out_.regions.size()); ++r) {
+        if (options_[r].size() < 2 || free_fans_of_[r].empty()) continue;
+        const Option* now = chosen_[r];
+        double best = cost(r);
+        const Option* choice = now;
+        for (const Option& option : options_[r]) {
+          chosen_[r] = &option;
+          const bool fits = std::all_of(fans_of_[r].begin(), fans_of_[r].end(),
+                                        [&](Index c) { return satisfied(fans_[c], chosen_, out_.regions); });
+          if (!fits) continue;
+          if (const double there = cost(r); there < best) best = there, choice = &option;
+        }
+        chosen_[r] = choice;
+        better |= choice != now;
+      }
+    }
+    std::map<Edge, int> turns;
+    bool agree = true;
+    for (const FreeFan& f : free_fans_) {
+      const int here = turns_at(f);
+      if (turns.try_emplace(f.edge, here).first->second == here && here >= 0) continue;
+      refused_.insert(f.edge);
+      agree = false;
+    }
+    if (agree) take_choice();
+    return agree;
   }
 
   Index cell_of(Index tet) const { return tet < 0 ? -1 : out_.cell[tet]; }
@@ -610,8 +746,11 @@ class Assigner {
   }
 
   // Which sheet continues into which at one edge of the arrangement (from/to index the group).
-  std::optional<Error> find_passes(std::span<const EdgeUse> group, std::vector<Fan::Pass>& passes) const {
+  // edge: the last input edge that a sheet passes over there, or (-1, -1).
+  std::optional<Error> find_passes(std::span<const EdgeUse> group, std::vector<Fan::Pass>& passes,
+                                   Edge& edge_passed) const {
     passes.clear();
+    edge_passed = {-1, -1};
     struct Entry {
       Index face;
       int leaf, sheet;
@@ -640,7 +779,8 @@ class Assigner {
       if (found < 0)
         return Error{ErrorCode::unsolved, "The arrangement is torn near " + place(group[0].p) + "."};
       partner[i] = found, partner[found] = static_cast<int>(i);
-      const auto wound = turns_.find(found_edge);
+      edge_passed = found_edge;
+      const auto wound = free_ ? turns_.end() : turns_.find(found_edge);
       if (wound != turns_.end()) turns[i] = turns[found] = wound->second;
     }
     for (std::size_t i = 0; i < entries.size(); ++i) {
@@ -676,8 +816,8 @@ class Assigner {
           if (group[j].facet == facet) fan.arc[i][side] = 2 * j + arrival;
       }
     }
-    const auto error = find_passes(group, fan.passes);
-    (void)error;  // the same group has passed before
+    Edge over;
+    (void)find_passes(group, fan.passes, over);  // cannot fail: the same group has passed before
     return fan;
   }
 
@@ -729,43 +869,45 @@ class Assigner {
         if (!chosen_[r]) fans_of_[r].push_back(c);
       open_members_.emplace(c, std::move(members));
     }
+    free_fans_of_.assign(n, {});
+    for (Index i = 0; i < static_cast<Index>(free_fans_.size()); ++i)
+      for (const auto& leaf : free_fans_[i].fan.leaves) {
+        auto& list = free_fans_of_[leaf.region];
+        if (list.empty() || list.back() != i) list.push_back(i);
+      }
     // Independent parts one after the other.
     std::vector<char> seen(n, 0);
     for (Index seed = 0; seed < n; ++seed) {
       if (chosen_[seed] || seen[seed]) continue;
       std::vector<Index> part{seed};
       seen[seed] = 1;
-      for (std::size_t i = 0; i < part.size(); ++i)
+      for (std::size_t i = 0; i < part.size(); ++i) {
+        const auto add = [&](Index r) {
+          if (!chosen_[r] && !seen[r]) seen[r] = 1, part.push_back(r);
+        };
         for (const Index c : fans_of_[part[i]])
-          for (const Index r : open_members_.at(c))
-            if (!chosen_[r] && !seen[r]) seen[r] = 1, part.push_back(r);
+          for (const Index r : open_members_.at(c)) add(r);
+        for (const Index c : free_fans_of_[part[i]])
+          for (const auto& leaf : free_fans_[c].fan.leaves) add(leaf.region);
+      }
       deepest_fan_ = fans_of_[seed].empty() ? -1 : fans_of_[seed][0];
       if (!search(part)) {
         if (auto stop = context_.stop()) return stop;
         return no_gluing(deepest_fan_);
       }
     }
-    for (Index r = 0; r < n; ++r) {
-      out_.regions[r].back_of = chosen_[r]->back_of;
-      out_.regions[r].front_of = chosen_[r]->front_of;
-    }
+    take_choice();
     return std::nullopt;
   }
 
-  Error no_gluing(Index fan) const {
-    if (fan >= 0) {
-      const Fan& F = fans_[fan];
-      fprintf(stderr, "fan leaves %zu\n", F.leaves.size());
-      for (size_t i = 0; i < F.leaves.size(); ++i) {
-        const auto& r = out_.regions[F.leaves[i].region];
-        fprintf(stderr, " leaf %zu region %d flip %d wf %d wb %d slots %zu opts %zu arc %d %d chosen %d\n", i,
-                F.leaves[i].region, F.leaves[i].flipped, r.front_winding, r.back_winding,
-                F.leaves[i].slots.size(), options_[F.leaves[i].region].size(), F.arc[i][0], F.arc[i][1],
-                chosen_[F.leaves[i].region] != nullptr);
-      }
-      for (auto& p : F.passes)
-        fprintf(stderr, " pass %d.%d -> %d.%d turns %d\n", p.from, p.from_sheet, p.to, p.to_sheet, p.turns);
+  void take_choice() {
+    for (std::size_t r = 0; r < out_.regions.size(); ++r) {
+      out_.regions[r].back_of = chosen_[r]->back_of;
+      out_.regions[r].front_of = chosen_[r]->front_of;
     }
+  }
+
+  Error no_gluing(Index fan) const {
     return Error{ErrorCode::unsolved,
                  "The sheets of the solid cannot be glued without a branch line" +
                      (fan < 0 ? std::string(".") : " near " + place(fan_place_[fan]) + ".")};
@@ -811,6 +953,7 @@ class Assigner {
   // Options of r that no fan with all other regions chosen rejects.
   std::vector<Index> possible(Index r) {
     std::vector<Index> out;
+    std::vector<std::pair<double, Index>> costs;
     for (Index o = 0; o < static_cast<Index>(options_[r].size()); ++o) {
       chosen_[r] = &options_[r][o];
       bool fits = true;
@@ -823,9 +966,23 @@ class Assigner {
           break;
         }
       }
-      if (fits) out.push_back(o);
+      // Free edges: some number of turns must fit; options that need the fewest unproposed ones come first.
+      double cost = 0;
+      for (const Index c : free_fans_of_[r]) {
+        if (!fits) break;
+        const FreeFan& f = free_fans_[c];
+        bool complete = true;
+        for (const auto& leaf : f.fan.leaves) complete &= chosen_[leaf.region] != nullptr;
+        if (!complete) continue;
+        const int turns = turns_at(f);
+        fits = turns >= 0;
+        cost += (turns != f.given) + (turns > 0 && f.pierced ? kPiercedCost : 0);
+      }
+      if (fits) costs.emplace_back(cost, o);
     }
     chosen_[r] = nullptr;
+    std::sort(costs.begin(), costs.end());
+    for (const auto& [cost, o] : costs) out.push_back(o);
     return out;
   }
 
@@ -840,10 +997,15 @@ class Assigner {
     std::map<Index, std::size_t> at;
     for (std::size_t i = 0; i < part.size(); ++i) at[part[i]] = i, left[i] = possible(part[i]);
     std::vector<char> stale(part.size(), 0);
+    std::vector<int> touched(part.size(), 0);  // changes next to it: the search goes on where it has been
     const auto spoil = [&](Index r) {
       for (const Index c : fans_of_[r])
         for (const Index other : open_members_.at(c))
           if (const auto it = at.find(other); it != at.end()) stale[it->second] = 1;
+      for (const Index c : free_fans_of_[r])
+        for (const auto& leaf : free_fans_[c].fan.leaves)
+          if (const auto it = at.find(leaf.region); it != at.end())
+            stale[it->second] = 1, ++touched[it->second];
     };
     for (;;) {
       // The open region with the fewest options left; the first of them.
@@ -851,7 +1013,9 @@ class Assigner {
       for (std::size_t i = 0; i < part.size(); ++i) {
         if (chosen_[part[i]]) continue;
         if (stale[i]) left[i] = possible(part[i]), stale[i] = 0;
-        if (best == part.size() || left[i].size() < left[best].size()) best = i;
+        if (best == part.size() || left[i].size() < left[best].size() ||
+            (left[i].size() == left[best].size() && touched[i] > touched[best]))
+          best = i;
         if (left[best].empty()) break;
       }
       if (best == part.size()) return true;
@@ -879,7 +1043,12 @@ class Assigner {
   const Arrangement& arrangement_;
   const TetgenResult& tets_;
   const RunContext& context_;
-  std::map<std::pair<Index, Index>, int> turns_;
+  std::map<Edge, int> turns_;  // of the wound edges given
+  bool free_ = false;          // all covered edges may be wound
+  std::set<Edge> refused_;
+  std::map<Edge, std::vector<std::pair<std::size_t, std::size_t>>> free_groups_;
+  std::vector<FreeFan> free_fans_;
+  std::vector<std::vector<Index>> free_fans_of_;  // per region
   Sheets out_;
   Index cells_ = 0;
   std::vector<Triple> corners_;  // per facet, in the orientation of its arrangement triangle
