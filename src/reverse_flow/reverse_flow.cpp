@@ -563,8 +563,9 @@ Result<ReverseFlowResult> reverse_flow(const Surface& surface, const VertexMatri
     }
   }
   result.quality = measure_quality(result.U0, surface.V, surface.F);
-  result.locked =
-      result.rollbacks > options.locked_rollbacks || result.quality.area_p01 < options.locked_area_p01;
+  result.locked = result.termination == ReverseFlowResult::Termination::locked ||
+                  result.rollbacks > options.locked_rollbacks ||
+                  result.quality.area_p01 < options.locked_area_p01;
   for (Eigen::Index f = 0; f < surface.F.rows(); ++f) {
     const auto double_area = [&](const VertexMatrix& X) {
       const Eigen::RowVector3d a = X.row(surface.F(f, 0));

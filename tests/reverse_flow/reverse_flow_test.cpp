@@ -136,6 +136,17 @@ TEST(ReverseFlow, StopsInTimeWithWhatItHas) {
   EXPECT_EQ(r.termination, ReverseFlowResult::Termination::time);
 }
 
+TEST(ReverseFlow, LockingIsNoticedAndReported) {
+  const Case c = flowed();
+  ReverseFlowOptions options;
+  options.lock_halvings = 0;  // every iteration counts
+  options.lock_iterations = 5;
+  const ReverseFlowResult r = run(c, options);
+  EXPECT_EQ(r.termination, ReverseFlowResult::Termination::locked);
+  EXPECT_TRUE(r.locked);
+  EXPECT_EQ(r.iterations, 5);
+}
+
 TEST(ReverseFlow, QualityOfAKnownStretch) {
   const Surface s = test::icosphere(2);
   const FlowQuality q = measure_quality(2 * s.V, s.V, s.F);
