@@ -27,6 +27,7 @@ class Builder {
     copy_tets();
     if (auto error = number_vertices()) return *error;
     if (auto error = separate_edges()) return *error;
+    separate_faces();
     return finish();
   }
 
@@ -148,15 +149,20 @@ class Builder {
     }
   }
 
-  // A vertex may lie on several copies of one tet (around hinges); then two different edges can have the same
-  // ends. Only such vertices matter. All but one edge are halved; boundary edges stay whole.
-  std::optional<Error> separate_edges() {
-    std::vector<char> several(position_.size(), 0);
+  // Vertices that several copies of one tet share.
+  void mark_several(std::vector<char>& several) const {
     for (Index t = 0; t < static_cast<Index>(first_.size()) - 1; ++t)
       for (Index i = first_[t] + 1; i < first_[t + 1]; ++i)
         for (Index j = first_[t]; j < i; ++j)
           for (int k = 0; k < 4; ++k)
             if (copies_.tet[i][k] == copies_.tet[j][k]) several[copies_.tet[i][k]] = 1;
+  }
+
+  // A vertex may lie on several copies of one tet (around hinges); then two different edges can have the same
+  // ends. Only such vertices matter. All but one edge are halved; boundary edges stay whole.
+  std::optional<Error> separate_edges() {
+    std::vector<char> several(position_.size(), 0);
+    mark_several(several);
     // Halving an edge changes its tets, so edges that share a tet with it wait for the next round.
     for (bool waiting = true; waiting;) {
       waiting = false;
@@ -241,6 +247,110 @@ class Builder {
       for (int k = 0; k < 4; ++k)
         if (k != ka && k != kb) copies_.next[u][k] = upper.at(copies_.next[u][k]);
     }
+  }
+
+  // With all edges told apart, different faces can still have the same three vertices: inside the solid,
+  // under a face whose three edges are wound. All but one get a vertex in their middle; boundary faces stay
+  // whole.
+  void separate_faces() {
+    std::vector<char> several(position_.size(), 0);
+    mark_several(several);
+    std::map<std::array<Index, 3>, std::vector<std::pair<Index, int>>> sides;
+    for (Index c = 0; c < static_cast<Index>(copies_.tet.size()); ++c)
+      for (int k = 0; k < 4; ++k) {
+        std::array<Index, 3> f{copies_.tet[c][kFace[k][0]], copies_.tet[c][kFace[k][1]],
+                               copies_.tet[c][kFace[k][2]]};
+        if (!several[f[0]] || !several[f[1]] || !several[f[2]]) continue;
+        std::sort(f.begin(), f.end());
+        sides[f].emplace_back(c, k);
+      }
+    std::vector<std::array<Index, 3>> doubled;
+    for (const auto& [f, list] : sides) {
+      const auto boundary = std::count_if(list.begin(), list.end(),
+                                          [&](const auto& s) { return copies_.next[s.first][s.second] < 0; });
+      if (static_cast<Index>(list.size()) + boundary > 2) doubled.push_back(f);
+    }
+    // Splitting changes tets, so the sides of a face are looked up again before each split.
+    for (const auto& f : doubled) {
+      bool keep = true;
+      for (Index c = 0; c < static_cast<Index>(copies_.tet.size()); ++c) {
+        const int k = opposite(c, f);
+        if (k < 0) continue;
+        if (copies_.next[c][k] < 0) {
+          keep = false;  // the boundary face is the one that stays
+          break;
+        }
+      }
+      const Index n = static_cast<Index>(copies_.tet.size());
+      for (Index c = 0; c < n; ++c) {
+        const int k = opposite(c, f);
+        if (k < 0 || copies_.next[c][k] < c) continue;
+        if (keep)
+          keep = false;
+        else
+          split_face(c, k);
+      }
+    }
+  }
+
+  // The corner of c opposite to the face with these (sorted) vertices, or -1.
+  int opposite(Index c, const std::array<Index, 3>& f) const {
+    int k = -1, hits = 0;
+    for (int j = 0; j < 4; ++j)
+      if (std::find(f.begin(), f.end(), copies_.tet[c][j]) != f.end())
+        ++hits;
+      else
+        k = j;
+    return hits == 3 ? k : -1;
+  }
+
+  // Splits an interior face at its centroid, and the tets on both sides into three each.
+  void split_face(Index c, int k) {
+    const Index other = copies_.next[c][k];
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+    for (const int j : kFace[k]) centre += position_[copies_.tet[c][j]] / 3;
+    const Index m = static_cast<Index>(position_.size());
+    position_.push_back(centre);
+    ++split_;
+    int back = 0;
+    while (copies_.next[other][back] != c) ++back;
+    // Part without face vertex v, on each side.
+    std::map<Index, Index> part[2];
+    const Index tet[2] = {c, other};
+    const int apex[2] = {k, back};
+    for (int side = 0; side < 2; ++side) {
+      const auto corners = copies_.tet[tet[side]];
+      const auto next = copies_.next[tet[side]];
+      bool first = true;
+      for (int j = 0; j < 4; ++j) {
+        if (j == apex[side]) continue;
+        Index id = tet[side];
+        if (!first) {
+          id = static_cast<Index>(copies_.tet.size());
+          copies_.tet.push_back(corners);
+          copies_.next.push_back(next);
+        }
+        first = false;
+        part[side][corners[j]] = id;
+        copies_.tet[id] = corners;
+        copies_.tet[id][j] = m;
+        copies_.next[id] = next;
+        // Beyond the face opposite to m lies what lay beyond the face opposite to corner j.
+        if (next[j] >= 0)
+          for (Index& n : copies_.next[next[j]])
+            if (n == tet[side]) {
+              n = id;
+              break;
+            }
+      }
+    }
+    for (int side = 0; side < 2; ++side)
+      for (const auto& [vertex, id] : part[side])
+        for (int j = 0; j < 4; ++j) {
+          if (copies_.tet[id][j] == m) continue;
+          copies_.next[id][j] =
+              j == apex[side] ? part[1 - side].at(vertex) : part[side].at(copies_.tet[id][j]);
+        }
   }
 
   Result<Cover> finish() {
