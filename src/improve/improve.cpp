@@ -99,6 +99,7 @@ Result<ImproveResult> improve(TetComplex& mesh, const ImproveOptions& options, c
   bool strong = false;  // collapses and insertions as well
   std::int64_t weight_before = -1;
   int extra = 0, idle = 0;
+  double worst_before = 0;
   result.end = ImproveResult::End::passes_done;
   for (int pass = 0; pass < options.passes + extra; ++pass) {
     const auto pass_begin = RunContext::Clock::now();
@@ -190,8 +191,12 @@ Result<ImproveResult> improve(TetComplex& mesh, const ImproveOptions& options, c
     }
     if (slow || changes == 0) strong = true;
     // What is left are tets that the boundary itself makes thin; the worst of all are over with.
-    idle = was_strong && slow && record.inserted + record.collapsed < record.bad / kIdlePart ? idle + 1 : 0;
-    if (idle >= kIdlePasses && record.worst_sine > kThin) {
+    const bool worst_grows = record.worst_sine < kThin && record.worst_sine > 1.5 * worst_before;
+    worst_before = record.worst_sine;
+    idle = was_strong && slow && !worst_grows && record.inserted + record.collapsed < record.bad / kIdlePart
+               ? idle + 1
+               : 0;
+    if (idle >= kIdlePasses) {
       result.end = ImproveResult::End::no_progress;
       break;
     }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 
+#include "kernels/sparse/cholesky.h"
 #include "kernels/tet_energy/tet_energy.h"
 
 namespace overtet::volume_map_detail {

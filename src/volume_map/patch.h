@@ -5,7 +5,6 @@
 #include <array>
 #include <vector>
 
-#include "kernels/sparse/cholesky.h"
 #include "overtet/types.h"
 #include "src/tet_complex/tet_complex.h"
 
