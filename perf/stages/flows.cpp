@@ -29,7 +29,7 @@ double since(Clock::time_point t) { return std::chrono::duration<double>(Clock::
 struct Settings {
   int threads = 0;
   double time = 600, growth = overtet::ReverseFlowOptions().growth;
-  int rung = 0;
+  int rung = 0, extra = 0;
   int lock = overtet::ReverseFlowOptions().lock_iterations;
   int bisections = overtet::ForwardFlowOptions().bisections;
   bool staged = false, global = false, paper = false, ladder = false, small = false, verbose = false;
@@ -128,6 +128,8 @@ int main(int argc, char** argv) {
       settings.bisections = std::atoi(argv[++i]);
     else if (a == "--rung" && i + 1 < argc)
       settings.rung = std::atoi(argv[++i]);
+    else if (a == "--extra" && i + 1 < argc)
+      settings.extra = std::atoi(argv[++i]);
     else if (a == "--lock" && i + 1 < argc)
       settings.lock = std::atoi(argv[++i]);
     else if (a == "--growth" && i + 1 < argc)
@@ -162,7 +164,7 @@ int main(int argc, char** argv) {
       forward = {forward[settings.rung - 1]}, reverse = {reverse[settings.rung - 1]};
     if (!settings.ladder) forward.resize(1), reverse.resize(1);
     if (settings.small) forward[0] = forward_flow_ladder()[1];
-    for (auto& o : forward) o.bisections = settings.bisections;
+    for (auto& o : forward) o.bisections = settings.bisections, o.extra_steps += settings.extra;
     for (auto& o : reverse) o.growth = settings.growth, o.lock_iterations = settings.lock;
     if (settings.global) forward[0].regional = false;
     if (settings.staged) reverse[0].staged = true;
