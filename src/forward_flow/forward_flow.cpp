@@ -335,7 +335,14 @@ class Flow {
   }
 
   void keep_state(const VertexMatrix& X, const std::vector<Index>& active) {
-    if (!options_.keep_states) return;
+    if (!options_.keep_states || no_room_) return;
+    if (context_.no_room_for(3 * sizeof(double) * active.size())) {
+      // The states only help a staged reverse flow; without them the direct one still works.
+      no_room_ = true;
+      result_.states.clear();
+      context_.note(LogLevel::warning, "forward flow: no memory to keep the states of the flow");
+      return;
+    }
     VertexMatrix rows(static_cast<Eigen::Index>(active.size()), 3);
     for (std::size_t i = 0; i < active.size(); ++i) rows.row(i) = X.row(active[i]);
     result_.states.push_back(std::move(rows));
@@ -568,6 +575,7 @@ class Flow {
   Index vertices_;
   double area_ = 0;
   Index fewest_ = -1;
+  bool no_room_ = false;
   ForwardFlowResult result_;
 };
 

@@ -102,7 +102,7 @@ struct ForwardFlowResult {
 
   VertexMatrix V;  // V_t*, #V x 3, in the input's coordinates
   // The flow between V0 and V_t* (both left out), rows of the active vertices only. Empty without
-  // keep_states.
+  // keep_states, or when the memory limit left no room for them.
   std::vector<VertexMatrix> states;
   std::vector<Index> active_vertices;  // ascending
   std::vector<char> active;            // by vertex: was free to move
