@@ -460,6 +460,8 @@ Result<WindingRange> find_winding_range(const Surface& surface, const SurfaceTop
     }
   }
 
+  out.negative_at = negative_pair;
+
   // The certificate with the lowest number, plain doubles preferred; the first of those.
   std::vector<std::size_t> order(negative.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;

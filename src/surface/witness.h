@@ -34,6 +34,7 @@ struct WindingRange {
   int min = 0, max = 0;                   // over all of space (0 far away included)
   Index negative_pairs = 0;               // pairs with a curve piece where the outer wedge is negative
   std::optional<WindingWitness> witness;  // exists exactly when min < 0
+  std::vector<FacePair> negative_at;      // those pairs, sorted; (-1, -1): a component by itself
   Index touching_pairs = 0;               // pairs that have a point in common only: no curve piece
   Index undecided_pairs = 0;              // curve pieces at which no ray could be counted (not seen so far)
   bool complete = true;                   // false: the search ended at the first negative wedge
