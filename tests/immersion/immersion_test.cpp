@@ -1,0 +1,150 @@
+#include "src/immersion/immersion.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <set>
+#include <string>
+
+#include "kernels/parallel/parallel.h"
+#include "tests/immersion/shapes.h"
+
+namespace overtet {
+namespace {
+
+using test::failure_of;
+
+Surface shifted(const Surface& s, double x, double y, double z) {
+  return test::transformed(s, Eigen::Matrix3d::Identity(), Eigen::Vector3d(x, y, z));
+}
+
+std::string bytes_of(const TetMesh& m) {
+  std::string out(reinterpret_cast<const char*>(m.V.data()), sizeof(double) * m.V.size());
+  out.append(reinterpret_cast<const char*>(m.T.data()), sizeof(Index) * m.T.size());
+  return out;
+}
+
+TEST(Immersion, MeshesWhatCrossesItself) {
+  const std::pair<const char*, Surface> models[] = {{"curled worm", test::curled_worm(420, 12)},
+                                                    {"worm of two turns", test::curled_worm(800, 8)},
+                                                    {"slab", test::bent_slab(2, 390, 3)},
+                                                    {"two spheres", test::two_spheres(2)},
+                                                    {"sphere with cavity", test::sphere_with_cavity(1)},
+                                                    {"sphere", test::sphere(1)}};
+  for (const auto& [name, s] : models) {
+    SCOPED_TRACE(name);
+    ImmersionResult r;
+    EXPECT_EQ(failure_of(s, &r), "");
+    EXPECT_EQ(r.winding_max, test::diagnosed(s).winding.max);
+    double volume = tet_quality(r.mesh).volume;
+    EXPECT_NEAR(volume, test::signed_volume(s), 1e-10);
+  }
+}
+
+TEST(Immersion, MeshesATubeWhoseCopiesChangePlaces) { EXPECT_EQ(failure_of(test::thick_knot()), ""); }
+
+TEST(Immersion, MeshesHinges) {
+  for (const int around : {12, 16, 24}) {
+    const Surface s = test::elbow(150, around);
+    ASSERT_FALSE(test::diagnosed(s).hinges.empty());
+    EXPECT_EQ(failure_of(s), "") << around << " around";
+  }
+}
+
+// A sheet that crosses wound edges puts points on them, which must come off the boundary there as well.
+TEST(Immersion, MeshesHingesWhoseWoundEdgesArePierced) {
+  const Surface s = test::pierced_elbow();
+  const Diagnosis d = test::diagnosed(s);
+  bool pierced = false;
+  for (const WoundEdge& w : d.wound.edges) pierced |= w.pierced;
+  ASSERT_TRUE(pierced);
+  EXPECT_EQ(failure_of(s), "");
+}
+
+TEST(Immersion, MeshesWhatCoincidesOrTouches) {
+  const Surface tube = test::capsule(2, 0.5, 10), cube = test::box(2);
+  const std::pair<const char*, Surface> models[] = {
+      {"equal tubes", test::joined(tube, tube)},
+      {"tubes 1e-9 apart", test::joined(tube, shifted(tube, 1e-9, 2e-9, -1e-9))},
+      {"boxes with a face in common", test::joined(cube, shifted(cube, 1, 0, 0))},
+      {"boxes that touch in part", test::joined(cube, shifted(cube, 1, 0.25, 0.125))},
+      {"boxes that touch in an edge", test::joined(cube, shifted(cube, 1, 1, 0.25))},
+      {"boxes that touch in a corner", test::joined(cube, shifted(cube, 1, 1, 1))},
+      {"boxes with sides in one plane", test::joined(cube, shifted(cube, 0.5, 0.25, 0))}};
+  for (const auto& [name, s] : models) {
+    SCOPED_TRACE(name);
+    EXPECT_EQ(failure_of(s), "");
+  }
+}
+
+TEST(Immersion, WithoutInteriorPointsToo) {
+  EXPECT_EQ(failure_of(test::curled_worm(420, 10), nullptr, 0), "");
+  EXPECT_EQ(failure_of(test::elbow(150, 14), nullptr, 0), "");
+}
+
+TEST(Immersion, NegativeWindingIsInfeasible) {
+  const Surface s = test::saucer(2);
+  const Diagnosis d = test::diagnosed(s);
+  const auto r = immerse(s, d.pairs, d.wound.edges, {}, {});
+  ASSERT_FALSE(r.ok());
+  EXPECT_EQ(r.error().code, ErrorCode::infeasible);
+}
+
+TEST(Immersion, SameBytesOnAnyNumberOfThreads) {
+  for (const Surface& s : {test::curled_worm(410, 10), test::elbow(150, 12)}) {
+    std::set<std::string> results;
+    for (const int threads : {1, 2, 3, 8}) {
+      const ScopedThreads cap(threads);
+      ImmersionResult r;
+      EXPECT_EQ(failure_of(s, &r), "");
+      results.insert(bytes_of(r.mesh));
+    }
+    EXPECT_EQ(results.size(), 1u);
+  }
+}
+
+TEST(Immersion, DoesNotDependOnTheNumbersOfVertices) {
+  for (const std::uint64_t seed : {1, 2}) {
+    EXPECT_EQ(failure_of(test::permuted(test::elbow(150, 14), seed)), "") << "seed " << seed;
+    EXPECT_EQ(failure_of(test::permuted(test::curled_worm(420, 10), seed)), "") << "seed " << seed;
+  }
+}
+
+// Random bends: a mesh that passes the exact check, or a reason why there is none.
+TEST(Immersion, RandomWormsAreMeshedOrProvenImpossible) {
+  int meshed = 0, crossing = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const Surface s = test::random_worm(seed);
+    const Diagnosis d = test::diagnosed(s);
+    if (d.verdict == Verdict::infeasible || d.verdict == Verdict::obstructed) continue;
+    crossing += !d.pairs.empty();
+    const std::string failure = failure_of(s);
+    EXPECT_EQ(failure, "") << "seed " << seed;
+    meshed += failure.empty();
+  }
+  std::printf("seeds 1 to 20: %d meshed, %d of those tried cross themselves\n", meshed, crossing);
+  EXPECT_GE(crossing, 5);
+}
+
+TEST(Immersion, OptionsAreChecked) {
+  ImmersionOptions options;
+  options.radius_edge = 0.5;
+  EXPECT_FALSE(options.validate().ok());
+  const auto r = immerse(test::sphere(0), {}, {}, options, {});
+  ASSERT_FALSE(r.ok());
+  EXPECT_EQ(r.error().code, ErrorCode::usage);
+}
+
+TEST(Immersion, StopsWhenAsked) {
+  const Surface s = test::curled_worm(410, 10);
+  const Diagnosis d = test::diagnosed(s);
+  std::atomic<bool> cancel{true};
+  RunContext context;
+  context.cancel = &cancel;
+  const auto r = immerse(s, d.pairs, d.wound.edges, {}, context);
+  ASSERT_FALSE(r.ok());
+  EXPECT_EQ(r.error().code, ErrorCode::interrupted);
+}
+
+}  // namespace
+}  // namespace overtet

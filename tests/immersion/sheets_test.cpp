@@ -1,0 +1,157 @@
+#include "src/immersion/sheets.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+
+#include <map>
+#include <random>
+
+#include "src/immersion/cover.h"
+#include "src/surface/winding.h"
+#include "tests/immersion/shapes.h"
+
+namespace overtet {
+namespace {
+
+using test::Prepared;
+
+Result<Sheets> sheets_of(const Prepared& p) {
+  return assign_sheets(p.surface, p.arrangement, p.tets, p.diagnosis.wound.edges, {});
+}
+
+// As many copies as the winding number says, decided on its own; every gluing a partial bijection in
+// which each sheet ends exactly one copy.
+void expect_sound(const Prepared& p, const Sheets& sheets, std::uint64_t seed) {
+  const Index tets = static_cast<Index>(p.tets.T.rows());
+  const WindingNumber winding(p.surface);
+  std::mt19937_64 random(seed);
+  for (int i = 0; i < 60; ++i) {
+    const Index t = static_cast<Index>(random() % tets);
+    Eigen::Vector3d c = Eigen::Vector3d::Zero();
+    for (int k = 0; k < 4; ++k) c += p.tets.V.row(p.tets.T(t, k)).transpose() / 4;
+    const auto at = winding.at(c.data());
+    // The centre of a needle may round onto the surface or out of the tet: those are not compared.
+    double thickness = 1e300;
+    for (int k = 0; k < 4; ++k) {
+      const Eigen::Vector3d a = p.tets.V.row(p.tets.T(t, (k + 1) % 4)),
+                            b = p.tets.V.row(p.tets.T(t, (k + 2) % 4)),
+                            d = p.tets.V.row(p.tets.T(t, (k + 3) % 4));
+      const Eigen::Vector3d n = (b - a).cross(d - a);
+      thickness = std::min(thickness, std::abs(n.dot(c - a)) / n.norm());
+    }
+    if (thickness <= 1e-6) continue;
+    EXPECT_EQ(at, sheets.winding_of(t)) << "tet " << t;
+  }
+  for (const Facet& f : sheets.facets) {
+    ASSERT_TRUE(f.region >= 0);
+    const Region& r = sheets.regions[f.region];
+    EXPECT_EQ(sheets.winding_of(f.front), f.flipped ? r.back_winding : r.front_winding);
+    EXPECT_EQ(sheets.winding_of(f.back), f.flipped ? r.front_winding : r.back_winding);
+  }
+  for (const Region& r : sheets.regions) {
+    ASSERT_EQ(static_cast<Index>(r.back_of.size()), r.front_winding);
+    ASSERT_EQ(static_cast<Index>(r.front_of.size()), r.back_winding);
+    std::vector<int> ends(r.signs.size(), 0);
+    for (int i = 0; i < r.front_winding; ++i) {
+      const int to = r.back_of[i];
+      if (to >= 0) {
+        EXPECT_EQ(r.front_of[to], i);
+      } else {
+        ++ends[-1 - to];
+        EXPECT_LT(r.signs[-1 - to], 0);
+      }
+    }
+    for (int i = 0; i < r.back_winding; ++i) {
+      const int to = r.front_of[i];
+      if (to >= 0) {
+        EXPECT_EQ(r.back_of[to], i);
+      } else {
+        ++ends[-1 - to];
+        EXPECT_GT(r.signs[-1 - to], 0);
+      }
+    }
+    for (const int e : ends) EXPECT_EQ(e, 1);
+  }
+}
+
+TEST(Sheets, AreFoundWhereThePartsCrossFreely) {
+  const std::uint64_t seed = 5;
+  std::printf("seed %llu\n", static_cast<unsigned long long>(seed));
+  const std::pair<const char*, Surface> models[] = {{"curled worm", test::curled_worm(410, 10)},
+                                                    {"worm of two turns", test::curled_worm(800, 8)},
+                                                    {"slab", test::bent_slab(2, 390, 3)},
+                                                    {"two spheres", test::two_spheres(1)},
+                                                    {"elbow", test::elbow(150, 14)},
+                                                    {"sphere with cavity", test::sphere_with_cavity(1)}};
+  for (const auto& [name, s] : models) {
+    SCOPED_TRACE(name);
+    const Prepared p = test::prepared(s);
+    const Result<Sheets> sheets = sheets_of(p);
+    ASSERT_TRUE(sheets.ok()) << sheets.error().message;
+    expect_sound(p, sheets.value(), seed);
+    EXPECT_EQ(*std::max_element(sheets.value().winding.begin(), sheets.value().winding.end()),
+              p.diagnosis.winding.max);
+  }
+}
+
+// The doubly covered cell is a solid torus: no assignment of one label to each copy is
+// consistent, so it has to be cut, and the copies must change places at the cut.
+TEST(Sheets, CopiesOfASolidTorusChangePlaces) {
+  const Prepared p = test::prepared(test::thick_knot());
+  EXPECT_TRUE(p.diagnosis.hinges.empty());
+  EXPECT_EQ(p.diagnosis.winding.max, 2);
+  const Result<Sheets> sheets = sheets_of(p);
+  ASSERT_TRUE(sheets.ok()) << sheets.error().message;
+  expect_sound(p, sheets.value(), 6);
+  EXPECT_GT(sheets.value().cuts, 0);
+  bool exchanged = false;
+  for (const Facet& f : sheets.value().facets)
+    if (f.triangle < 0 && sheets.value().winding_of(f.front) == 2)
+      exchanged |= sheets.value().across(static_cast<Index>(&f - sheets.value().facets.data()), true, 0) == 1;
+  EXPECT_TRUE(exchanged);
+}
+
+TEST(Sheets, NegativeWindingIsInfeasible) {
+  const Prepared p = test::prepared(test::saucer(2));
+  const Result<Sheets> sheets = sheets_of(p);
+  ASSERT_FALSE(sheets.ok());
+  EXPECT_EQ(sheets.error().code, ErrorCode::infeasible);
+}
+
+// An elbow's hinges need wound edges. Others than the right ones must not lead to a wrong answer: either the
+// stage finds out which are needed, or it says that there is no gluing.
+TEST(Sheets, WrongWoundEdgesNeverGiveAWrongSolid) {
+  const Prepared p = test::prepared(test::elbow(150, 14));
+  ASSERT_FALSE(p.diagnosis.wound.edges.empty());
+  std::vector<WoundEdge> lacking = p.diagnosis.wound.edges;
+  lacking.pop_back();
+  std::vector<WoundEdge> twice = p.diagnosis.wound.edges;
+  twice[0].k = 2;
+  for (const auto& wound : {std::vector<WoundEdge>{}, lacking, twice}) {
+    const Result<Sheets> sheets = assign_sheets(p.surface, p.arrangement, p.tets, wound, {});
+    if (!sheets.ok()) {
+      EXPECT_EQ(sheets.error().code, ErrorCode::unsolved);
+      continue;
+    }
+    const Result<ImmersionResult> r = immerse(p.surface, p.diagnosis.pairs, wound, {}, {});
+    ASSERT_TRUE(r.ok()) << r.error().message;
+    EXPECT_EQ(test::check(p.surface, r.value().mesh), "");
+  }
+}
+
+TEST(Sheets, SpeakOfOneTetAtATime) {
+  const Prepared p = test::prepared(test::curled_worm(410, 8));
+  const Result<Sheets> sheets = sheets_of(p);
+  ASSERT_TRUE(sheets.ok());
+  // Tets that share a face without a facet belong to the same cell.
+  for (Index t = 0; t < p.tets.T.rows(); ++t)
+    for (int k = 0; k < 4; ++k) {
+      const Index other = p.tets.neighbours(t, k);
+      if (other < 0 || sheets.value().facet_on[t][k] >= 0) continue;
+      EXPECT_EQ(sheets.value().cell[t], sheets.value().cell[other]);
+    }
+}
+
+}  // namespace
+}  // namespace overtet
