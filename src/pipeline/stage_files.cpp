@@ -23,6 +23,8 @@ Result<StageFiles> StageFiles::create(const std::string& folder, const std::stri
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
   if (failed) return Error{ErrorCode::io, "Cannot make the folder " + folder + ": " + failed.message() + "."};
+  // States of the same input that are there already stay known.
+  if (Result<StageFiles> known = open(folder, input_hash, box)) return known;
   StageFiles files;
   files.folder_ = folder;
   files.input_hash_ = input_hash;

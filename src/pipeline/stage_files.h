@@ -16,7 +16,7 @@ namespace overtet {
 
 class StageFiles {
  public:
-  // Creates the folder if it is not there.
+  // Creates the folder if it is not there. States that it holds of another input are forgotten.
   static Result<StageFiles> create(const std::string& folder, const std::string& input_hash, UnitBox box);
   // Errors: bad_input when the folder belongs to another input or version.
   static Result<StageFiles> open(const std::string& folder, const std::string& input_hash, UnitBox box);

@@ -118,6 +118,26 @@ TEST_F(Cli, EveryFormatIsAccepted) {
   EXPECT_TRUE(exists("o.ele"));
 }
 
+TEST_F(Cli, SurfacesWithoutVertexNumbersAreComparedByCoordinates) {
+  const Surface s = test::sphere(1);
+  std::string stl = "solid sphere\n";
+  for (Eigen::Index f = 0; f < s.F.rows(); ++f) {
+    stl += "facet normal 0 0 0\nouter loop\n";
+    for (int k = 0; k < 3; ++k) {
+      stl += "vertex";
+      for (int c = 0; c < 3; ++c) stl += " " + std::to_string(s.V(s.F(f, k), c));
+      stl += "\n";
+    }
+    stl += "endloop\nendfacet\n";
+  }
+  test::write_text(folder_.file("a.stl"), stl + "endsolid sphere\n");
+  const ShellResult made = run("mesh " + folder_.file("a.stl") + " -o " + folder_.file("o.mesh"));
+  EXPECT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_NE(made.err.find("merged"), std::string::npos) << made.err;
+  EXPECT_EQ(run("verify " + folder_.file("a.stl") + " " + folder_.file("o.mesh")).exit_code, 0);
+  EXPECT_EQ(run("verify " + save("b.off", s) + " " + folder_.file("o.mesh")).exit_code, 4);
+}
+
 TEST_F(Cli, SameBytesOnAnyNumberOfThreads) {
   const std::string in =
       save("a.off", test::transformed(test::sphere(3), test::some_rotation(3), Eigen::Vector3d(1, 2, 3)));

@@ -192,6 +192,12 @@ TEST(Pipeline, StagesAreSavedAndResumed) {
   EXPECT_TRUE(stages(mapped).contains("volume_map"));
   EXPECT_FALSE(stages(mapped).contains("reverse_flow"));
 
+  // Resuming from a folder and saving to it keeps what is in it.
+  PipelineOptions both = resume;
+  both.save_stages = resume.resume;
+  ASSERT_TRUE(run(s, both).ok());
+  EXPECT_NE(test::read_text(file("stages.json")).find("embedded"), std::string::npos);
+
   EXPECT_EQ(run(test::curled_worm(391, 12), resume).exit_code(), 3);
   resume.resume = folder.file("nowhere");
   EXPECT_EQ(run(s, resume).exit_code(), 7);
