@@ -23,6 +23,9 @@ constexpr double kReach = 0.5;
 // each round asks for less clearance (relative to the size of the star), the last ones for any.
 constexpr double kClearances[] = {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12, 0, 0, 0};
 
+// At the end all of them look for more room this many times: thin tets cost the quality pass far more.
+constexpr int kSweeps = 3;
+
 // Beyond this angle (radians) between the two faces at an edge, a point on it makes way for several.
 constexpr double kWideWedge = 1.9 * 3.14159265358979323846;
 
@@ -44,8 +47,12 @@ class Clearer {
     for (std::size_t i = 0; i < boundary.size(); ++i)
       for (const Index v : boundary[i])
         if (v >= n) points.insert(v);
-    for (std::size_t i = 0; i < boundary.size(); ++i) label_[sorted(boundary[i])] = face[i];
+    // Only triangles with an added point will change.
+    for (std::size_t i = 0; i < boundary.size(); ++i)
+      if (std::any_of(boundary[i].begin(), boundary[i].end(), [&](Index v) { return v >= n; }))
+        label_[sorted(boundary[i])] = face[i];
     queue_.assign(points.begin(), points.end());
+    points_ = queue_;
   }
 
   BoundaryPointsResult run() {
@@ -65,6 +72,14 @@ class Clearer {
       queue_ = std::move(left);
     }
     result_.left = queue_;
+    std::vector<Triple> walls;
+    for (int sweep = 0; sweep < kSweeps && !context_.stop(); ++sweep)
+      for (const Index v : points_) {
+        if (complex_.on_boundary(v)) continue;
+        find_walls(v, walls);
+        Vector3d target;
+        if (find_position(v, walls, 0, target)) complex_.move(v, target);
+      }
     if (!std::isfinite(result_.smallest_clearance)) result_.smallest_clearance = 0;
     return result_;
   }
@@ -528,6 +543,7 @@ class Clearer {
   const RunContext& context_;
   std::map<Triple, Index> label_;  // boundary triangle -> input face
   std::vector<Index> queue_;
+  std::vector<Index> points_;  // all added points of the boundary
   std::vector<Index> star_;
   double least_clearance_ = 0;
   BoundaryPointsResult result_;
