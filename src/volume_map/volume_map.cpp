@@ -26,6 +26,8 @@ constexpr double kBranchReached = 2.5;
 // Surface rings around wound edges whose angles are driven, and that are free, in the branch stage.
 constexpr int kGoalRings = 1, kBranchRings = 4;
 constexpr int kBranchRefinements = 2;
+// Vertices; a factor of three times as many rows takes about 10 s and 4 GB.
+constexpr std::size_t kLargestPatch = 30000;
 // In mean edges.
 constexpr double kSnapReach = 0.5;
 constexpr double kTurnTolerance = 1;  // radians, around an interior edge; a wrong one is off by 2 pi
@@ -222,7 +224,17 @@ class Mapper {
         seeds.erase(std::remove_if(seeds.begin(), seeds.end(),
                                    [&](Index v) { return near_wound_[v] > kBranchRings; }),
                     seeds.end());
-      auto patches = solver_.grow(mesh_, seeds, options_.interior_rings, 0, may_move);
+      std::vector<Patch> patches;
+      for (int rings = options_.interior_rings; rings > 0; --rings) {
+        patches = solver_.grow(mesh_, seeds, rings, 0, may_move);
+        if (std::none_of(patches.begin(), patches.end(),
+                         [](const Patch& patch) { return patch.free.size() > kLargestPatch; }))
+          break;
+        if (rings == 1)
+          return Error{ErrorCode::unsolved, "The volume map would have to move " +
+                                                std::to_string(list.size()) +
+                                                " boundary vertices at once, more than it can."};
+      }
       double error = 0;
       for (Patch& patch : patches) {
         // Angles at boundary edges with an end that is away; for the branch those around wound edges count.
@@ -238,6 +250,7 @@ class Mapper {
         forces.pull = branch_stage ? options_.branch_pull : force;
         forces.angle_weight = !wound_ ? 0 : branch_stage ? options_.angle_weight : std::max(1.0, force);
         for (int newton = 0; newton < 4; ++newton) {
+          if (auto stop = context_.stop()) return *stop;
           if (!solver_.step(mesh_, patch, forces, positions)) break;
           // Exact positivity decides; rounding may say no at the end of a good way: go half of it.
           bool placed = work.place_all(patch.free, positions, patch.tets);
