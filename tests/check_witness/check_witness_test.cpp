@@ -1,0 +1,189 @@
+// The witnesses that the program finds, checked by a script that shares no code with it; and wrong ones.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "src/surface/diagnose.h"
+#include "tests/support/files.h"
+#include "tests/support/models.h"
+#include "tests/support/noise.h"
+
+namespace overtet {
+namespace {
+
+std::string off_text(const Surface& s) {
+  std::string out = "OFF\n" + std::to_string(s.V.rows()) + " " + std::to_string(s.F.rows()) + " 0\n";
+  char line[128];
+  for (Index v = 0; v < s.V.rows(); ++v) {
+    std::snprintf(line, sizeof line, "%.17g %.17g %.17g\n", s.V(v, 0), s.V(v, 1), s.V(v, 2));
+    out += line;
+  }
+  for (Index f = 0; f < s.F.rows(); ++f) {
+    std::snprintf(line, sizeof line, "3 %d %d %d\n", s.F(f, 0), s.F(f, 1), s.F(f, 2));
+    out += line;
+  }
+  return out;
+}
+
+std::string obj_text(const Surface& s) {
+  std::string out = "# a comment\n";
+  char line[128];
+  for (Index v = 0; v < s.V.rows(); ++v) {
+    std::snprintf(line, sizeof line, "v %.17g %.17g %.17g\n", s.V(v, 0), s.V(v, 1), s.V(v, 2));
+    out += line;
+  }
+  for (Index f = 0; f < s.F.rows(); ++f) {
+    std::snprintf(line, sizeof line, "f %d %d//7 %d\n", s.F(f, 0) + 1, s.F(f, 1) + 1, s.F(f, 2) + 1);
+    out += line;
+  }
+  return out;
+}
+
+class CheckWitness : public testing::Test {
+ protected:
+  // The script's answer; `said` is what it printed.
+  int answer(const std::string& surface_text, const std::string& report, const char* name = "s.off") {
+    test::write_text(folder_.file(name), surface_text);
+    test::write_text(folder_.file("r.json"), report);
+    const auto r =
+        test::shell(OVERTET_CHECK_WITNESS " '" + folder_.file(name) + "' '" + folder_.file("r.json") + "'");
+    said_ = r.out + r.err;
+    return r.exit_code;
+  }
+  int answer(const Surface& s, const std::string& witness) {
+    return answer(off_text(s), "{\"status\": \"infeasible\", \"witness\": " + witness + "}");
+  }
+
+  test::TemporaryFolder folder_;
+  std::string said_;
+};
+
+Diagnosis diagnosed(const Surface& s) {
+  Result<Diagnosis> d = diagnose(s, {}, {});
+  EXPECT_TRUE(d.ok());
+  return std::move(d).value();
+}
+
+std::string vertex_witness(Index vertex, int b0) {
+  return "{\"vertex\": " + std::to_string(vertex) + ", \"b0\": " + std::to_string(b0) + "}";
+}
+
+template <class Values>
+std::string listed(const Values& values) {
+  std::string out;
+  for (const auto& v : values) out += (out.empty() ? "[" : ", ") + std::to_string(v);
+  return out + "]";
+}
+
+std::string unpaired_witness(const std::vector<Index>& vertices, const std::vector<int>& b0) {
+  return "{\"rule\": \"unpaired\", \"vertices\": " + listed(vertices) + ", \"B0\": " + listed(b0) + "}";
+}
+
+std::optional<int> b0_of(const Diagnosis& d, Index vertex) {
+  for (const Hinge& h : d.hinges)
+    if (h.vertex == vertex) return h.B0;
+  return std::nullopt;
+}
+
+TEST_F(CheckWitness, PointsOfNegativeWinding) {
+  const Surface models[] = {test::saucer(2), test::flipped(test::sphere(1)),
+                            test::noisy(test::sphere(1), 4, 1.2)};
+  for (const Surface& s : models) {
+    const Diagnosis d = diagnosed(s);
+    ASSERT_TRUE(d.winding.witness.has_value());
+    const auto& w = *d.winding.witness;
+    const auto witness = [&](int winding) {
+      return "{\"point\": [\"" + w.exact[0] + "\", \"" + w.exact[1] + "\", \"" + w.exact[2] +
+             "\"], \"winding\": " + std::to_string(winding) + "}";
+    };
+    EXPECT_EQ(answer(s, witness(w.winding)), 0) << said_;
+    EXPECT_EQ(answer(s, witness(w.winding - 1)), 1) << said_;
+    EXPECT_EQ(answer(s, "{\"point\": [100, 0.5, \"-1/3\"], \"winding\": -1}"), 1) << said_;
+    EXPECT_EQ(answer(obj_text(s), witness(w.winding), "s.obj"), 0) << said_;
+  }
+  // On the surface nothing is proven.
+  const Surface s = test::box(1);
+  EXPECT_EQ(answer(s, "{\"point\": [0.25, 0.125, 0], \"winding\": -1}"), 1) << said_;
+  EXPECT_EQ(answer(s, "{\"point\": [0.5, 0.5, \"1/3\"], \"winding\": 1}"), 1) << said_;
+}
+
+// The integer of every hinge is what the program finds, whether that is a proof or not.
+TEST_F(CheckWitness, IntegersOfVertices) {
+  int negative = 0, positive = 0;
+  for (const std::uint64_t seed : {1, 2, 3, 4}) {
+    const Surface s =
+        seed % 2 ? test::noisy(test::sphere(1), seed, 0.9) : test::noisy(test::elbow(150, 10), seed, 0.15);
+    const Diagnosis d = diagnosed(s);
+    int looked = 0;
+    for (const Hinge& h : d.hinges) {
+      if (!h.B0 || ++looked > 7) continue;
+      const int got = answer(s, vertex_witness(h.vertex, *h.B0));
+      EXPECT_EQ(got, *h.B0 < 0 ? 0 : 1) << "seed " << seed << ", B0 " << *h.B0 << ": " << said_;
+      const std::string is = "B0 of vertex " + std::to_string(h.vertex) + " is " + std::to_string(*h.B0);
+      EXPECT_NE(said_.find(is + "."), std::string::npos) << "seed " << seed << ": " << is << ", " << said_;
+      ++(*h.B0 < 0 ? negative : positive);
+      if (looked > 1) continue;
+      EXPECT_EQ(answer(s, vertex_witness(h.vertex, *h.B0 - 1)), 1) << said_;
+    }
+  }
+  EXPECT_GT(negative, 0);
+  EXPECT_GT(positive, 0);
+  EXPECT_EQ(answer(test::sphere(1), vertex_witness(3, -1)), 1) << said_;
+  EXPECT_NE(said_.find("is 0"), std::string::npos);
+}
+
+TEST_F(CheckWitness, UnpairedVertices) {
+  for (int i = 0; i < 3; ++i) {
+    const Surface s = test::obstructed_elbow(i);
+    const Diagnosis d = diagnosed(s);
+    ASSERT_EQ(d.verdict, Verdict::obstructed);
+    ASSERT_FALSE(d.wound.odd_groups.empty());
+    for (const auto& group : d.wound.odd_groups) {
+      std::vector<int> b0;
+      for (const Index v : group) b0.push_back(b0_of(d, v).value());
+      EXPECT_EQ(answer(s, unpaired_witness(group, b0)), 0) << said_;
+      b0[0] += 2;
+      EXPECT_EQ(answer(s, unpaired_witness(group, b0)), 1) << said_;
+    }
+  }
+}
+
+TEST_F(CheckWitness, PairedVerticesAreNoProof) {
+  const Surface s = test::elbow(150, 14);
+  const Diagnosis d = diagnosed(s);
+  ASSERT_EQ(d.verdict, Verdict::feasible);
+  int looked = 0;
+  for (const Hinge& h : d.hinges) {
+    if (!h.B0 || ++looked > 4) continue;
+    EXPECT_EQ(answer(s, unpaired_witness({h.vertex}, {*h.B0})), 1) << said_;
+  }
+  EXPECT_GT(looked, 0);
+  EXPECT_EQ(answer(s, unpaired_witness({0}, {0})), 1) << said_;  // even
+}
+
+TEST_F(CheckWitness, WhatCannotBeReadIsNeitherProofNorRefutation) {
+  const Surface s = test::saucer(1);
+  EXPECT_EQ(answer(s, "{\"vertex\": 100000, \"b0\": -1}"), 2);
+  EXPECT_EQ(answer(s, "{\"vertex\": \"a\", \"b0\": -1}"), 2);
+  EXPECT_EQ(answer(s, "{\"point\": [1, 2], \"winding\": -1}"), 2);
+  EXPECT_EQ(answer(s, "{\"point\": [1, 2, \"x\"], \"winding\": -1}"), 2);
+  EXPECT_EQ(answer(s, "{\"point\": [1, 2, 3]}"), 2);
+  EXPECT_EQ(answer(s, unpaired_witness({1, 2}, {1})), 2);
+  EXPECT_EQ(answer(s, "{\"face\": 3}"), 2);
+  EXPECT_EQ(answer(off_text(s), "{\"status\": \"exact\"}"), 2);
+  EXPECT_EQ(answer(off_text(s), "no report"), 2);
+  const std::string witness = "{\"vertex\": 0, \"b0\": -1}";
+  Surface open = s;
+  open.F.conservativeResize(open.F.rows() - 1, 3);
+  EXPECT_EQ(answer(open, witness), 2);
+  EXPECT_EQ(answer("OFF\n3 1 0\n0 0 0\n", witness), 2);
+  EXPECT_EQ(answer("", witness), 2);
+  EXPECT_EQ(test::shell(OVERTET_CHECK_WITNESS " /nowhere.off /nowhere.json").exit_code, 2);
+  EXPECT_EQ(test::shell(OVERTET_CHECK_WITNESS).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace overtet
