@@ -10,6 +10,7 @@
 #include "src/immersion/cover.h"
 #include "src/surface/winding.h"
 #include "tests/immersion/shapes.h"
+#include "tests/support/noise.h"
 
 namespace overtet {
 namespace {
@@ -137,6 +138,26 @@ TEST(Sheets, WrongWoundEdgesNeverGiveAWrongSolid) {
     const Result<ImmersionResult> r = immerse(p.surface, p.diagnosis.pairs, wound, {}, {});
     ASSERT_TRUE(r.ok()) << r.error().message;
     EXPECT_EQ(test::check(p.surface, r.value().mesh), "");
+  }
+}
+
+// Hinges with odd integers that nothing pairs: no gluing, whatever wound edges are given.
+TEST(Sheets, ObstructedHingesHaveNoGluing) {
+  for (int i = 0; i < 3; ++i) {
+    SCOPED_TRACE(i);
+    const Prepared p = test::prepared(test::obstructed_elbow(i));
+    ASSERT_EQ(p.diagnosis.verdict, Verdict::obstructed);
+    std::vector<WoundEdge> all;  // of a hinge
+    const Hinge& h = p.diagnosis.hinges.front();
+    for (const Index out : half_edges_around(p.diagnosis.topology.topology, h.vertex)) {
+      const Index other = half_edge_target(p.surface.F, out);
+      all.push_back({std::min(h.vertex, other), std::max(h.vertex, other), 1, false});
+    }
+    for (const auto& wound : {p.diagnosis.wound.edges, std::vector<WoundEdge>{}, all}) {
+      const Result<Sheets> sheets = assign_sheets(p.surface, p.arrangement, p.tets, wound, {});
+      ASSERT_FALSE(sheets.ok());
+      EXPECT_EQ(sheets.error().code, ErrorCode::unsolved) << sheets.error().message;
+    }
   }
 }
 
