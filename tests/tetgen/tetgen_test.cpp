@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/wait.h>
 #include <unistd.h>
 #include <Eigen/Geometry>
 
@@ -55,14 +56,14 @@ void expect_sound(const TetgenResult& r, const Plc& plc) {
     }
 }
 
-int children_alive() {
-  int count = 0;
+std::vector<pid_t> children_of(pid_t parent) {
+  std::vector<pid_t> list;
   for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
     std::ifstream stat(entry.path() / "stat");
-    std::string pid, name, state, parent;
-    if (stat >> pid >> name >> state >> parent && parent == std::to_string(getpid())) ++count;
+    std::string pid, name, state, of;
+    if (stat >> pid >> name >> state >> of && of == std::to_string(parent)) list.push_back(std::stoi(pid));
   }
-  return count;
+  return list;
 }
 
 TEST(Tetgen, BoxAndSphereAreFilledWithPositiveTets) {
@@ -193,7 +194,7 @@ TEST(Tetgen, CrashesStayInTheChild) {
     EXPECT_EQ(ErrorCode::unsolved, r.error().code) << r.error().message;
     EXPECT_FALSE(r.error().message.empty());
   }
-  EXPECT_EQ(0, children_alive());
+  EXPECT_EQ(0, static_cast<int>(children_of(getpid()).size()));
 }
 
 TEST(Tetgen, StopsForCancelDeadlineAndMemory) {
@@ -223,7 +224,37 @@ TEST(Tetgen, StopsForCancelDeadlineAndMemory) {
   r = tetrahedralize(plc_of(s), options, context);
   ASSERT_FALSE(r.ok());
   EXPECT_EQ(ErrorCode::limit, r.error().code) << r.error().message;
-  EXPECT_EQ(0, children_alive());
+  EXPECT_EQ(0, static_cast<int>(children_of(getpid()).size()));
+}
+
+// A killed program leaves no TetGen running behind it.
+TEST(Tetgen, TheChildDiesWithItsParent) {
+  const Plc plc = plc_of(test::sphere_surface(6));
+  const pid_t middle = fork();
+  ASSERT_GE(middle, 0);
+  if (middle == 0) {
+    TetgenOptions options;
+    options.radius_edge = 1.1;
+    (void)tetrahedralize(plc, options, {}).ok();
+    _exit(0);
+  }
+  std::vector<pid_t> grandchildren;
+  for (int wait = 0; wait < 500 && grandchildren.empty(); ++wait) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    grandchildren = children_of(middle);
+  }
+  ASSERT_EQ(1u, grandchildren.size());
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  kill(middle, SIGKILL);
+  waitpid(middle, nullptr, 0);
+  bool gone = false;
+  for (int wait = 0; wait < 500 && !gone; ++wait) {
+    std::ifstream stat("/proc/" + std::to_string(grandchildren[0]) + "/stat");
+    std::string pid, name, state;
+    gone = !(stat >> pid >> name >> state) || state == "Z";
+    if (!gone) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_TRUE(gone);
 }
 
 TEST(Tetgen, SeveralCallsAtOnce) {
