@@ -59,11 +59,18 @@ std::string plain(double x, int digits) {
   return text;
 }
 
+std::string what_was_moved(const Report& r) {
+  if (r.status != RunStatus::repaired) return {};
+  return " The surface was repaired: " + std::to_string(r.moved_vertices) +
+         (r.moved_vertices == 1 ? " vertex" : " vertices") + " moved, by " +
+         plain(100 * r.max_relative_move, 4) + " % of its diagonal at most.";
+}
+
 std::string what_was_made(const MeshCommand& c, const PipelineResult& r, double seconds) {
   return c.output + ": " + std::to_string(r.mesh.V.rows()) + " vertices, " + std::to_string(r.mesh.T.rows()) +
          " tets, smallest dihedral angle " + plain(r.report.quality ? r.report.quality->dihedral_min : 0, 2) +
          " degrees (" + plain(r.report.quality ? r.report.quality->dihedral_p01 : 0, 1) +
-         " at 1 %), checked exactly, " + plain(seconds, 1) + " s.";
+         " at 1 %), checked exactly, " + plain(seconds, 1) + " s." + what_was_moved(r.report);
 }
 
 }  // namespace
@@ -145,8 +152,6 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
       terminal.error(s.error().message);
     }
   }
-  if (!made && result.report.status == RunStatus::infeasible && command.on_infeasible == "repair")
-    terminal.log(LogLevel::warning, "Repair is not available yet; the input is rejected.");
   if (!made) return fail(terminal, result.error);
   terminal.say(result.report.message);
   return 0;

@@ -20,6 +20,7 @@
 #include "src/pipeline/stage_files.h"
 #include "src/pipeline/unit_box.h"
 #include "src/pipeline/watch.h"
+#include "src/repair/repair.h"
 #include "src/tet_complex/tet_complex.h"
 #include "src/tetgen/tetgen.h"
 #include "src/verify/verify.h"
@@ -62,10 +63,20 @@ class Hash {
 // One run: the state that the stages hand on, and what is written down about them.
 class Run {
  public:
-  Run(const Surface& input, const PipelineOptions& options, const RunContext& context, PipelineResult& result)
-      : input_(input), options_(options), context_(context), result_(result), report_(result.report) {}
+  // repaired: `input` has been repaired, so that what is wrong with it may be repaired again.
+  Run(const Surface& input, bool repaired, const PipelineOptions& options, const RunContext& context,
+      PipelineResult& result)
+      : input_(input),
+        repaired_(repaired),
+        options_(options),
+        context_(context),
+        result_(result),
+        report_(result.report) {}
 
   Status go();
+
+  // Where the sheets could not be glued, in the input's space.
+  const std::optional<Eigen::Vector3d>& unglued() const { return unglued_; }
 
  private:
   template <class F>
@@ -80,6 +91,7 @@ class Run {
   Status finish_saved();
   Result<TetMesh> mesh_clean();
   Result<TetMesh> mesh_immersed();
+  std::optional<Eigen::Vector3d> place_in(const std::string& message) const;
   Status finish(TetMesh mesh);
   TetMesh improved(const TetMesh& mesh);
   template <class Geometry>
@@ -88,6 +100,7 @@ class Run {
   }
 
   const Surface& input_;
+  const bool repaired_;
   const PipelineOptions& options_;
   const RunContext& context_;
   PipelineResult& result_;
@@ -97,6 +110,7 @@ class Run {
   UnitBox box_;
   Inspection found_;
   std::optional<StageFiles> save_, resume_;
+  std::optional<Eigen::Vector3d> unglued_;
 };
 
 Status Run::diagnose() {
@@ -168,7 +182,7 @@ Status Run::try_routes() {
   std::string told;
   for (const Route& route : routes) {
     // Two independent ways have found that nothing can be glued together: the flows would only take longer.
-    if (!told.empty() && found_.diagnosis.verdict == Verdict::obstructed &&
+    if (!told.empty() && (found_.diagnosis.verdict == Verdict::obstructed || repaired_) &&
         options_.preset == Preset::standard)
       break;
     Result<TetMesh> mesh = route.run();
@@ -198,6 +212,17 @@ Status Run::finish_saved() {
   return finish(std::move(mesh).value());
 }
 
+// The place that a message of the immersion route names, out of the unit box.
+std::optional<Eigen::Vector3d> Run::place_in(const std::string& message) const {
+  const std::size_t at = message.find("near (");
+  VertexMatrix p(1, 3);
+  if (at == std::string::npos ||
+      std::sscanf(message.c_str() + at, "near (%lf, %lf, %lf)", &p(0, 0), &p(0, 1), &p(0, 2)) != 3)
+    return std::nullopt;
+  out_of_unit_box(p, box_);
+  return Eigen::Vector3d(p.row(0).transpose());
+}
+
 Result<TetMesh> Run::mesh_immersed() {
   return stage("immersion", [&](StageRecord& record) -> Result<TetMesh> {
     const Diagnosis& d = found_.diagnosis;
@@ -212,7 +237,10 @@ Result<TetMesh> Run::mesh_immersed() {
       options.radius_edge = 0;
       r = immerse(surface_, d.pairs, d.wound.edges, options, context_);
     }
-    if (!r) return r.error();
+    if (!r) {
+      unglued_ = place_in(r.error().message);
+      return r.error();
+    }
     const ImmersionResult& x = r.value();
     if (Status s = save("arrangement", Surface{x.arrangement.V, x.arrangement.F}); !s) return s.error();
     if (Status s = save("cover", x.cover); !s) return s.error();
@@ -312,6 +340,8 @@ Status Run::finish(TetMesh mesh) {
 
 Status Run::go() {
   if (Status s = diagnose(); !s) return s;
+  if (options_.on_infeasible == OnInfeasible::repair && found_.diagnosis.verdict == Verdict::obstructed)
+    return Error{ErrorCode::infeasible, found_.diagnosis.message};
   const std::string hash = hash_of(input_);
   if (!options_.resume.empty()) {
     Result<StageFiles> files = StageFiles::open(options_.resume, hash, box_);
@@ -325,6 +355,71 @@ Status Run::go() {
   }
   if (resume_ && resume_->has("mapped")) return finish_saved();
   return try_routes();
+}
+
+// Runs on the surface, and where that finds no mesh and repairing is asked for, on a repaired one: again with
+// the places where the sheets could not be glued, for some rounds.
+Status run_repairing(const Surface& surface, const PipelineOptions& options, const RunContext& context,
+                     PipelineResult& result) {
+  constexpr int kRepairs = 8;
+  Report& report = result.report;
+  Status done = success();
+  std::optional<Eigen::Vector3d> unglued;
+  {
+    Run run(surface, false, options, context, result);
+    done = run.go();
+    unglued = run.unglued();
+  }
+  if (done) {
+    report.status = RunStatus::exact;
+    return done;
+  }
+  const auto repairable = [](const Error& e) {
+    return e.code == ErrorCode::infeasible || e.code == ErrorCode::unsolved || e.code == ErrorCode::bad_input;
+  };
+  if (options.on_infeasible != OnInfeasible::repair || !repairable(done.error())) return done;
+  const Status first = done;
+  const InputRecord input = report.input;
+  const std::optional<WitnessRecord> witness = report.witness;
+  RepairOptions repairs;
+  for (int round = 0; round < kRepairs && !done && repairable(done.error()); ++round) {
+    if (unglued) repairs.places.push_back(*unglued);
+    // Nothing that a repair could know more about than the one before.
+    if (round > 0 && !unglued) break;
+    Result<RepairResult> fixed =
+        timed_stage("repair", report.stages, context, [&](StageRecord& record) -> Result<RepairResult> {
+          Result<RepairResult> r = repair(surface, repairs, context);
+          if (!r) return r;
+          record.iterations = static_cast<std::int64_t>(r.value().rounds.size());
+          record.figures = {{"moved", static_cast<std::int64_t>(r.value().moved.size())},
+                            {"max_relative", r.value().max_relative},
+                            {"shrink_rounds", std::int64_t{r.value().shrink_rounds}},
+                            {"termination", r.value().termination}};
+          return r;
+        });
+    if (!fixed) {
+      // Not closed, and the like: what the first look said is better. A stop is a stop.
+      const ErrorCode code = fixed.error().code;
+      if (code != ErrorCode::infeasible && code != ErrorCode::bad_input) return fixed.error();
+      context.note(LogLevel::warning, "Repair: " + fixed.error().message);
+      report.input = input;
+      report.witness = witness;
+      return first;
+    }
+    if (fixed.value().moved.empty()) break;
+    Run run(fixed.value().surface, true, options, context, result);
+    done = run.go();
+    unglued = run.unglued();
+    report.input = input;
+    report.witness = witness;
+    if (!done) continue;
+    report.status = RunStatus::repaired;
+    report.witness.reset();
+    report.moved_vertices = static_cast<std::int64_t>(fixed.value().moved.size());
+    report.max_relative_move = fixed.value().max_relative;
+    return done;
+  }
+  return first;
 }
 
 }  // namespace
@@ -384,18 +479,18 @@ PipelineResult run_pipeline(const Surface& surface, const PipelineOptions& optio
   RunWatch watch(outer);
   try {
     const ScopedThreads threads(outer.threads);
-    Run run(surface, options, watch.context(), result);
-    if (Status s = run.go(); s.ok()) {
-      result.report.status = RunStatus::exact;
-    } else {
+    if (Status s = run_repairing(surface, options, watch.context(), result); !s.ok())
       fail(watch.explained(s.error()));
-    }
   } catch (const std::bad_alloc&) {
     fail({ErrorCode::limit, "There is not enough memory for this model."});
   } catch (const std::exception& e) {
     fail({ErrorCode::internal, std::string("Internal error, please report it: ") + e.what() + "."});
   }
-  if (!result.ok()) result.mesh = {};
+  if (!result.ok()) {
+    result.mesh = {};
+    result.report.moved_vertices = 0;
+    result.report.max_relative_move = 0;
+  }
   result.report.seconds = seconds_since(start);
   result.report.peak_rss_bytes = watch.peak_bytes();
   return result;

@@ -317,17 +317,17 @@ void Repair::record() {
 // Moves less, as long as nothing objects: first every cluster less far, then fewer vertices. What is tried
 // at the same time in different clusters is judged cluster by cluster.
 Status Repair::shrink() {
-  const auto end = std::min(
-      context_.deadline, RunContext::Clock::now() + std::chrono::duration_cast<RunContext::Clock::duration>(
-                                                        std::chrono::duration<double>(options_.shrink_seconds)));
-  const auto time_left = [&] {
-    return out_.shrink_rounds < options_.max_shrink_rounds && RunContext::Clock::now() < end;
+  // Counted, not timed: the same result on every machine.
+  double work = 0;
+  const auto work_left = [&] {
+    return out_.shrink_rounds < options_.max_shrink_rounds && work < options_.shrink_work;
   };
   // Judges what compose() makes; returns the clusters that must go back.
   const auto judge = [&](std::vector<char>& bad) -> Status {
     compose();
     ++out_.shrink_rounds;
     if (Status s = look(false); !s) return s;
+    work += static_cast<double>(diagnosis_.pairs.size()) + 0.01 * static_cast<double>(now_.F.rows());
     bad.assign(clusters_.size(), 0);
     for (const Offence& o : offences_) {
       bool known = false;
@@ -340,7 +340,7 @@ Status Repair::shrink() {
   std::vector<Cluster> good = clusters_;
   std::vector<char> bad;
   std::vector<double> low(clusters_.size(), 0), high(clusters_.size(), 1);
-  for (int i = 0; i < 4 && time_left(); ++i) {
+  for (int i = 0; i < 4 && work_left(); ++i) {
     for (std::size_t c = 0; c < clusters_.size(); ++c) clusters_[c].part = (low[c] + high[c]) / 2;
     if (Status s = judge(bad); !s) return s;
     const bool clean = offences_.empty();
@@ -370,7 +370,7 @@ Status Repair::shrink() {
     for (const auto& [length, v] : order) trials[c].order.push_back(v);
     trials[c].size = std::max<std::size_t>(1, order.size() / 2);
   }
-  while (time_left()) {
+  while (work_left()) {
     bool any = false;
     for (std::size_t c = 0; c < clusters_.size(); ++c) {
       Trial& t = trials[c];
@@ -505,7 +505,7 @@ Result<RepairResult> Repair::run() {
 Status RepairOptions::validate() const {
   if (!(max_relative_move > 0 && max_relative_move <= 1))
     return Error{ErrorCode::usage, "The largest move must be a part of the diagonal between 0 and 1."};
-  if (max_rounds < 1 || max_shrink_rounds < 0 || !(shrink_seconds >= 0))
+  if (max_rounds < 1 || max_shrink_rounds < 0 || !(shrink_work >= 0))
     return Error{ErrorCode::usage, "The numbers of rounds of a repair must be positive."};
   return success();
 }

@@ -27,7 +27,7 @@ struct RepairOptions {
   double max_relative_move = 0.06;  // of the bounding box's diagonal
   int max_rounds = 80;              // diagnoses until the surface must be feasible
   int max_shrink_rounds = 60;       // diagnoses spent on moving less
-  double shrink_seconds = 20;       // and the time for that
+  double shrink_work = 5e4;         // and pairs of faces (plus a hundredth of the faces) looked at for that
   // Places where no mesh was found although nothing forbids one: hinges next to them are smoothed until
   // they are none, at the n-th mention of a place n steps further up the ladder.
   std::vector<Eigen::Vector3d> places;
