@@ -4,6 +4,8 @@
 //            -> (immersion) immersion (arrangement, tet mesh, sheets) ---------------> improve -> verify
 //            -> (flow)      forward_flow -> reverse_flow -> tet_mesh -> volume_map --> improve -> verify
 //
+// Where there is no mesh and repairing is asked for, the same with a repaired surface in the input's place.
+//
 // The immersion route needs no flow and is tried first; the flow route is the paper's (Sacht et al. 2013) and
 // is taken when the first one finds nothing, or alone when asked for. Whatever made the mesh, it is
 // checked exactly against the surface as it was read before it is handed out.

@@ -118,6 +118,26 @@ TEST(Pipeline, SaysWhyThereIsNoMesh) {
   EXPECT_EQ(run(test::sphere(), options).exit_code(), 2);
 }
 
+TEST(Pipeline, RepairsWhenAsked) {
+  PipelineOptions options;
+  options.on_infeasible = OnInfeasible::repair;
+  const Surface s = test::saucer();
+  const PipelineResult r = run(s, options);
+  ASSERT_TRUE(r.ok()) << r.report.message;
+  EXPECT_EQ(r.report.status, RunStatus::repaired);
+  EXPECT_GT(r.report.moved_vertices, 0);
+  VerifyOptions moved;
+  moved.max_move = 1.0001 * r.report.max_relative_move;
+  const VerifyResult v = verify(s, r.mesh, moved);
+  EXPECT_TRUE(v.ok()) << v.summary();
+  EXPECT_EQ(v.moved_vertices, r.report.moved_vertices);
+  // What needs no repair is left alone.
+  const Surface fine = test::curled_worm(400, 10);
+  const PipelineResult untouched = run(fine, options);
+  expect_mesh(fine, untouched);
+  EXPECT_EQ(untouched.report.moved_vertices, 0);
+}
+
 TEST(Pipeline, SameBytesOnAnyNumberOfThreads) {
   for (const Preset preset : {Preset::standard, Preset::flow}) {
     PipelineOptions options;
