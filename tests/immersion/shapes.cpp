@@ -52,10 +52,10 @@ Surface thick_knot(int along, int across) {
 Surface random_worm(std::uint64_t seed, int around) {
   std::mt19937_64 random(seed);
   const auto unit = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
-  const double length = 5 + 3 * unit(), radius = 0.35;
+  const double length = 6 + 3 * unit(), radius = 0.35;
   const Surface straight = capsule(length, radius, around);
   // A frame carried along a curve with slowly changing bends.
-  const double bend = 0.5 + 0.9 * unit(), sway = 0.6 * unit(), phase = 6 * unit(), twist = 0.5 * unit();
+  const double bend = 0.9 + 0.7 * unit(), sway = 0.6 * unit(), phase = 6 * unit(), twist = 0.5 * unit();
   constexpr int kSteps = 4000;
   const double first = -radius, step = (length + 2 * radius) / kSteps;
   std::vector<Eigen::Matrix3d> frame(kSteps + 1);
