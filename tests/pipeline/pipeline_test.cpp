@@ -121,7 +121,7 @@ TEST(Pipeline, SaysWhyThereIsNoMesh) {
 TEST(Pipeline, RepairsWhenAsked) {
   PipelineOptions options;
   options.on_infeasible = OnInfeasible::repair;
-  const Surface s = test::saucer();
+  const Surface s = test::saucer(3, 0.54);
   const PipelineResult r = run(s, options);
   ASSERT_TRUE(r.ok()) << r.report.message;
   EXPECT_EQ(r.report.status, RunStatus::repaired);
