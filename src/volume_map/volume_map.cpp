@@ -29,7 +29,7 @@ constexpr int kBranchRefinements = 2;
 // Vertices; a factor of three times as many rows takes about 10 s and 4 GB.
 constexpr std::size_t kLargestPatch = 30000;
 // In mean edges.
-constexpr double kSnapReach = 0.5;
+constexpr double kSnapReach = 0.5, kFar = 1;
 constexpr double kTurnTolerance = 1;  // radians, around an interior edge; a wrong one is off by 2 pi
 
 double seconds_since(RunContext::Clock::time_point t) {
@@ -183,9 +183,16 @@ class Mapper {
       const double da = distance(a), db = distance(b);
       return da != db ? da < db : a < b;
     });
+    // Nor may a vertex go while a neighbour is far.
+    std::vector<char> held(nb_, 0);
+    if (reach < 1e300)
+      for (const auto& f : surface_)
+        for (const Index v : f)
+          if (distance(v) > kFar)
+            for (const Index w : f) held[w] = 1;
     Index count = 0;
     for (const Index v : list)
-      if (distance(v) <= reach) count += work.place(v, target_.row(v));
+      if (!held[v] && distance(v) <= reach) count += work.place(v, target_.row(v));
     list = away();
     return count;
   }
