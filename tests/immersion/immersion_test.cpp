@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <cstring>
+#include <atomic>
+#include <cstdio>
+#include <iterator>
 #include <set>
 #include <string>
 
@@ -75,6 +77,29 @@ TEST(Immersion, MeshesWhatCoincidesOrTouches) {
     SCOPED_TRACE(name);
     EXPECT_EQ(failure_of(s), "");
   }
+}
+
+// Surfaces closer together than doubles can cut apart: some of them are not solved, none is answered wrongly.
+TEST(Immersion, NearCoincidenceIsNeverAnsweredWrongly) {
+  const Surface tube = test::capsule(1.5, 0.5, 8);
+  const double offsets[][3] = {{0, 1e-8, 0},           {3e-11, 5e-11, 7e-11},  {1e-11, 0, 0},
+                               {1e-12, 2e-12, -1e-12}, {9e-13, -2e-13, 4e-13}, {0, 1e-13, 0},
+                               {1e-15, 2e-15, -1e-15}, {1e-16, 0, 0}};
+  int meshed = 0;
+  for (const auto& o : offsets) {
+    SCOPED_TRACE(testing::Message() << o[0] << ", " << o[1] << ", " << o[2]);
+    const Surface s = test::joined(tube, shifted(tube, o[0], o[1], o[2]));
+    const Diagnosis d = test::diagnosed(s);
+    ASSERT_EQ(d.verdict, Verdict::feasible);
+    const auto r = immerse(s, d.pairs, d.wound.edges, {}, {});
+    if (r.ok()) {
+      EXPECT_EQ(test::check(s, r.value().mesh), "");
+      ++meshed;
+    } else {
+      EXPECT_EQ(r.error().code, ErrorCode::unsolved) << r.error().message;
+    }
+  }
+  std::printf("%d of %zu meshed\n", meshed, std::size(offsets));
 }
 
 TEST(Immersion, WithoutInteriorPointsToo) {
