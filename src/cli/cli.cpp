@@ -85,6 +85,17 @@ int parse_and_run(int argc, char** argv) {
   inspect_app->add_flag("--pairs", inspect.pairs, "List the intersecting pairs of faces");
   add_common(*inspect_app, common);
 
+  RepairCommand repair;
+  CLI::App* repair_app = app.add_subcommand(
+      "repair", "Move a few vertices of a surface a little, so that nothing forbids a tet mesh of it");
+  repair_app->add_option("INPUT", repair.input, "Surface: .obj, .off, .ply or .stl")->required();
+  repair_app->add_option("--output,-o", repair.output, "Surface: .off, .obj or .ply")->required();
+  repair_app
+      ->add_option("--max-move", repair.max_move, "Largest move of a vertex, in percent of the diagonal")
+      ->check(CLI::Range(1e-6, 100.0))
+      ->capture_default_str();
+  add_common(*repair_app, common);
+
   VerifyCommand verify;
   CLI::App* verify_app = app.add_subcommand("verify", "Check a tet mesh against its surface, exactly");
   verify_app->add_option("SURFACE", verify.surface, "Surface: .obj, .off, .ply or .stl")->required();
@@ -108,6 +119,7 @@ int parse_and_run(int argc, char** argv) {
   install_signal_handlers();
   if (*mesh_app) return run(mesh, common, terminal);
   if (*inspect_app) return run(inspect, common, terminal);
+  if (*repair_app) return run(repair, common, terminal);
   return run(verify, common, terminal);
 }
 

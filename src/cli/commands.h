@@ -32,6 +32,11 @@ struct InspectCommand {
   bool json = false, pairs = false;
 };
 
+struct RepairCommand {
+  std::string input, output;
+  double max_move = 6;  // percent of the diagonal
+};
+
 struct VerifyCommand {
   std::string surface, mesh;
   double max_move = 0;
@@ -41,6 +46,7 @@ struct VerifyCommand {
 // Each returns the exit code.
 int run(const MeshCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const InspectCommand& command, const CommonOptions& common, Terminal& terminal);
+int run(const RepairCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const VerifyCommand& command, const CommonOptions& common, Terminal& terminal);
 
 // Says what went wrong and gives the exit code for it.

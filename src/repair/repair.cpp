@@ -1,5 +1,6 @@
 #include "src/repair/repair.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -12,22 +13,27 @@ namespace overtet {
 
 namespace {
 
-// One attempt for a cluster: its vertices with so many rings around them, moved so much of the way.
+// How a vertex that forbids a mesh is moved: with so many rings around it, so much of the way.
+enum class Kind { membrane, plate, mirror };
 struct Step {
   int rings;
   double part;
-  Smoothing kind;
+  Kind kind;
 };
 
+// mirror: what pokes out, inside out, is turned right side out by reflecting it at its own middle plane
+// across its thinnest direction; `part` is how thick it is afterwards, 1 being as thick as before.
 constexpr Step kLadder[] = {
-    {0, 0.1, Smoothing::membrane},    {0, 0.3, Smoothing::membrane},    {0, 1.0, Smoothing::membrane},
-    {1, 0.3, Smoothing::membrane},    {1, 1.0, Smoothing::membrane},    {1, 1.0, Smoothing::thin_plate},
-    {2, 0.5, Smoothing::membrane},    {2, 1.0, Smoothing::thin_plate},  {2, 1.0, Smoothing::membrane},
-    {3, 1.0, Smoothing::thin_plate},  {3, 1.0, Smoothing::membrane},    {5, 1.0, Smoothing::thin_plate},
-    {5, 1.0, Smoothing::membrane},    {8, 1.0, Smoothing::thin_plate},  {8, 1.0, Smoothing::membrane},
-    {12, 1.0, Smoothing::thin_plate}, {12, 1.0, Smoothing::membrane},   {18, 1.0, Smoothing::thin_plate},
-    {18, 1.0, Smoothing::membrane},   {27, 1.0, Smoothing::thin_plate}, {27, 1.0, Smoothing::membrane}};
+    {0, 0.1, Kind::membrane}, {0, 0.3, Kind::membrane}, {0, 0.6, Kind::membrane},  {1, 0.3, Kind::membrane},
+    {0, 0.9, Kind::membrane}, {1, 0.6, Kind::membrane}, {2, 0.6, Kind::membrane},  {1, 0.9, Kind::membrane},
+    {2, 0.9, Kind::membrane}, {1, 1.0, Kind::plate},    {1, 1.0, Kind::membrane},  {2, 1.0, Kind::plate},
+    {2, 0.2, Kind::mirror},   {3, 0.7, Kind::mirror},   {3, 0.95, Kind::membrane}, {3, 1.0, Kind::plate},
+    {3, 1.0, Kind::membrane}, {5, 0.7, Kind::mirror},   {5, 0.95, Kind::membrane}, {5, 1.0, Kind::plate},
+    {5, 1.0, Kind::membrane}, {8, 0.7, Kind::mirror},   {8, 1.0, Kind::plate},     {8, 1.0, Kind::membrane},
+    {12, 1.0, Kind::plate},   {12, 1.0, Kind::membrane}, {18, 1.0, Kind::plate},   {18, 1.0, Kind::membrane},
+    {27, 1.0, Kind::membrane}};
 constexpr int kLevels = static_cast<int>(std::size(kLadder));
+constexpr std::size_t kWorthMirroring = 6;  // vertices
 
 constexpr double kFlatFace = 1e-14;  // height over reach below which a face counts as one without area
 constexpr std::size_t kFlood = 200000;
@@ -35,14 +41,13 @@ constexpr std::size_t kFlood = 200000;
 // Vertices that forbid a mesh together.
 using Offence = std::vector<Index>;
 
+// A connected set of vertices that move, which no other set touches.
 struct Cluster {
-  std::vector<Index> seeds;  // sorted
-  int level = 0;
-  double part = 1;             // of the level's move: what the end's shrinking leaves
-  std::vector<Index> held;     // of the region: back at their places for good, sorted
-  std::vector<Index> region;   // sorted; what the level moves
-  VertexMatrix to;             // the region's positions
-  bool fresh = true;           // region and positions must be computed
+  std::vector<Index> region;  // sorted
+  int level = 0;              // the highest of its vertices'
+  VertexMatrix to;            // the region's positions
+  double part = 1;            // how much of the way: what the end's shrinking leaves
+  std::vector<Index> held;    // of the region: back at their places for good, sorted
 };
 
 class Repair {
@@ -56,8 +61,8 @@ class Repair {
   Status look(bool floods);
   Offence flooded(const Offence& seed) const;
   void assign();
-  void merge_overlapping();
-  void place(Cluster& c);
+  void place();
+  bool mirror(Cluster& c, const Step& step) const;
   void compose();
   Status shrink();
   bool within(const Cluster& c, const Offence& o, int rings);
@@ -74,6 +79,9 @@ class Repair {
   Diagnosis diagnosis_;
   std::vector<Offence> offences_;
   bool hopeless_ = false;  // a component that faces inwards with nothing around it
+  std::vector<int> level_;  // of each vertex that forbids a mesh; -1 for the others
+  std::vector<char> poking_;  // vertices of the input in front of which the winding number is negative
+  bool exhausted_ = false;
   std::vector<Cluster> clusters_;
   RepairResult out_;
 };
@@ -129,6 +137,7 @@ Offence Repair::flooded(const Offence& seed) const {
 Status Repair::look(bool floods) {
   if (auto stop = context_.stop()) return *stop;
   offences_.clear();
+  hopeless_ = false;
   const auto corners = [&](Index f) {
     return Offence{now_.F(f, 0), now_.F(f, 1), now_.F(f, 2)};
   };
@@ -163,6 +172,10 @@ Status Repair::look(bool floods) {
     const std::size_t known = all.size();
     all = flooded(all);
     for (std::size_t i = known; i < all.size(); ++i) offences_.push_back({all[i]});
+    if (poking_.empty()) {
+      poking_.assign(now_.V.rows(), 0);
+      for (std::size_t i = known; i < all.size(); ++i) poking_[all[i]] = 1;
+    }
   }
   for (const Hinge& h : diagnosis_.hinges)
     if (h.B0 && *h.B0 < 0) offences_.push_back({h.vertex});
@@ -189,7 +202,7 @@ bool Repair::within(const Cluster& c, const Offence& o, int rings) {
   return sorted_share(rings_->grown(c.region, rings, scratch_), o);
 }
 
-// Offences next to a cluster send it up the ladder; the others make new clusters.
+// The vertices of every group of offences, and those of earlier ones next to it, go one step up the ladder.
 void Repair::assign() {
   // Offences that share a vertex or an edge belong together.
   const std::size_t n = offences_.size();
@@ -214,80 +227,115 @@ void Repair::assign() {
     Offence& g = groups[root(i)];
     g.insert(g.end(), offences_[i].begin(), offences_[i].end());
   }
-  std::vector<std::vector<Index>> reach;
-  for (const Cluster& c : clusters_) reach.push_back(rings_->grown(c.region, 1, scratch_));
-  std::vector<char> hit(clusters_.size(), 0);
-  std::vector<Cluster> fresh;
+  const std::vector<int> before = level_;
   for (Offence& g : groups) {
     if (g.empty()) continue;
     std::sort(g.begin(), g.end());
     g.erase(std::unique(g.begin(), g.end()), g.end());
-    bool known = false;
-    for (std::size_t c = 0; c < clusters_.size(); ++c)
-      if (sorted_share(reach[c], g)) {
-        known = true;
-        hit[c] = 1;
-        std::vector<Index> all;
-        std::set_union(clusters_[c].seeds.begin(), clusters_[c].seeds.end(), g.begin(), g.end(),
-                       std::back_inserter(all));
-        clusters_[c].seeds = std::move(all);
-      }
-    if (!known) {
-      fresh.emplace_back();
-      fresh.back().seeds = std::move(g);
+    int level = -1;
+    for (const Index v : rings_->grown(g, 1, scratch_)) {
+      if (before[v] < 0) continue;
+      level_[v] = before[v] + 1;
+      level = std::max(level, level_[v]);
     }
+    // None next to it: whatever moved it there goes on.
+    if (level < 0)
+      for (const Cluster& c : clusters_)
+        if (sorted_share(c.region, g)) level = std::max(level, c.level + 1);
+    for (const Index v : g) level_[v] = std::max({level_[v], level, 0});
   }
-  for (std::size_t c = 0; c < clusters_.size(); ++c)
-    if (hit[c]) {
-      ++clusters_[c].level;
-      clusters_[c].fresh = true;
+  for (int& l : level_)
+    if (l >= kLevels) {
+      exhausted_ = true;
+      l = kLevels - 1;
     }
-  for (Cluster& c : fresh) clusters_.push_back(std::move(c));
 }
 
-// The region and the positions of a cluster's level.
-void Repair::place(Cluster& c) {
-  if (!c.fresh) return;
-  c.fresh = false;
-  const Step& step = kLadder[std::min(c.level, kLevels - 1)];
-  c.region = rings_->grown(c.seeds, step.rings, scratch_);
-  c.to = smoothed(input_.V, *rings_, c.region, step.kind);
-  if (c.to.rows() == 0) {
-    c.region.clear();
-    return;
+// What moves, and where to.
+void Repair::place() {
+  const auto n = static_cast<std::size_t>(input_.V.rows());
+  std::vector<float> part(n, 0);
+  std::vector<int> level(n, -1);
+  for (int l = 0; l < kLevels; ++l) {
+    std::vector<Index> seeds;
+    for (std::size_t v = 0; v < n; ++v)
+      if (level_[v] == l) seeds.push_back(static_cast<Index>(v));
+    if (seeds.empty()) continue;
+    for (const Index v : rings_->grown(seeds, kLadder[l].rings, scratch_)) {
+      const float p = kLadder[l].kind == Kind::mirror ? 1 : static_cast<float>(kLadder[l].part);
+      part[v] = std::max(part[v], p);
+      level[v] = l;
+    }
   }
+  clusters_.clear();
+  std::vector<char> seen(n, 0);
   const double limit = options_.max_relative_move * diagonal_ * (1 - 1e-9);
-  for (std::size_t i = 0; i < c.region.size(); ++i) {
-    const Eigen::RowVector3d from = input_.V.row(c.region[i]);
-    const auto k = static_cast<Eigen::Index>(i);
-    Eigen::RowVector3d move = step.part * (c.to.row(k) - from);
-    if (const double length = move.norm(); length > limit) move *= limit / length;
-    c.to.row(k) = from + move;
+  for (std::size_t first = 0; first < n; ++first) {
+    if (level[first] < 0 || seen[first]) continue;
+    Cluster c;
+    c.region.push_back(static_cast<Index>(first));
+    seen[first] = 1;
+    for (std::size_t i = 0; i < c.region.size(); ++i)
+      for (const Index u : (*rings_)(c.region[i]))
+        if (level[u] >= 0 && !seen[u]) seen[u] = 1, c.region.push_back(u);
+    std::sort(c.region.begin(), c.region.end());
+    for (const Index v : c.region) c.level = std::max(c.level, level[v]);
+    const Step& step = kLadder[c.level];
+    if (step.kind != Kind::mirror || !mirror(c, step)) {
+      std::vector<float> parts;
+      for (const Index v : c.region) parts.push_back(part[v]);
+      c.to = smoothed(input_.V, input_.V, *rings_, c.region,
+                      step.kind == Kind::membrane ? Smoothing::membrane : Smoothing::thin_plate, parts);
+      if (c.to.rows() == 0) continue;
+    }
+    for (std::size_t i = 0; i < c.region.size(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      const Eigen::RowVector3d from = input_.V.row(c.region[i]), move = c.to.row(k) - from;
+      if (const double length = move.norm(); length > limit) c.to.row(k) = from + limit / length * move;
+    }
+    clusters_.push_back(std::move(c));
   }
 }
 
-// Clusters whose regions meet become one.
-void Repair::merge_overlapping() {
-  for (Cluster& c : clusters_) place(c);
-  for (bool again = true; again;) {
-    again = false;
-    for (std::size_t a = 0; a < clusters_.size(); ++a)
-      for (std::size_t b = a + 1; b < clusters_.size();) {
-        if (!sorted_share(clusters_[a].region, clusters_[b].region)) {
-          ++b;
-          continue;
-        }
-        std::vector<Index> all;
-        std::set_union(clusters_[a].seeds.begin(), clusters_[a].seeds.end(), clusters_[b].seeds.begin(),
-                       clusters_[b].seeds.end(), std::back_inserter(all));
-        clusters_[a].seeds = std::move(all);
-        clusters_[a].level = std::max(clusters_[a].level, clusters_[b].level);
-        clusters_[a].fresh = true;
-        clusters_.erase(clusters_.begin() + static_cast<std::ptrdiff_t>(b));
-        place(clusters_[a]);
-        again = true;
-      }
+// Reflects what pokes out in a cluster; the rest of the cluster follows smoothly.
+bool Repair::mirror(Cluster& c, const Step& step) const {
+  std::vector<Index> out;
+  if (poking_.empty()) return false;
+  for (const Index v : c.region)
+    if (poking_[v]) out.push_back(v);
+  if (out.size() < kWorthMirroring) return false;
+  Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();
+  for (const Index v : out) centre += input_.V.row(v) / static_cast<double>(out.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const Index v : out)
+    spread += (input_.V.row(v) - centre).transpose() * (input_.V.row(v) - centre);
+  // Of the two thinner directions the one that the surface faces: a flat patch is not turned over in its plane.
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
+  const Eigen::RowVector3d across = axes.eigenvectors().col(0).transpose();
+  double low = 1e300, high = -1e300;
+  for (const Index v : out) {
+    const double x = (input_.V.row(v) - centre).dot(across);
+    low = std::min(low, x), high = std::max(high, x);
   }
+  const double middle = (low + high) / 2;
+  // As thick as the allowed move permits.
+  const double room = 0.98 * options_.max_relative_move * diagonal_ / std::max((high - low) / 2, 1e-300);
+  const double part = std::min(step.part, room - 1);
+  if (!(part > 0.02)) return false;
+  VertexMatrix moves = VertexMatrix::Zero(input_.V.rows(), 3);
+  for (const Index v : out)
+    moves.row(v) = -(1 + part) * ((input_.V.row(v) - centre).dot(across) - middle) * across;
+  std::vector<Index> rest;
+  std::set_difference(c.region.begin(), c.region.end(), out.begin(), out.end(), std::back_inserter(rest));
+  if (!rest.empty()) {
+    const VertexMatrix follow = smoothed(input_.V, moves, *rings_, rest, Smoothing::membrane);
+    if (follow.rows() == 0) return false;
+    for (std::size_t i = 0; i < rest.size(); ++i) moves.row(rest[i]) = follow.row(static_cast<Eigen::Index>(i));
+  }
+  c.to.resize(static_cast<Eigen::Index>(c.region.size()), 3);
+  for (std::size_t i = 0; i < c.region.size(); ++i)
+    c.to.row(static_cast<Eigen::Index>(i)) = input_.V.row(c.region[i]) + moves.row(c.region[i]);
+  return true;
 }
 
 // The surface with all clusters' moves.
@@ -414,6 +462,7 @@ Result<RepairResult> Repair::run() {
   if (Result<SurfaceTopology> t = require_topology(input_); !t) return t.error();
   rings_.emplace(static_cast<Index>(input_.V.rows()), input_.F);
   diagonal_ = (input_.V.colwise().maxCoeff() - input_.V.colwise().minCoeff()).norm();
+  level_.assign(input_.V.rows(), -1);
   if (Status s = look(true); !s) return s.error();
   const auto add_round = [&] {
     record();
@@ -431,7 +480,7 @@ Result<RepairResult> Repair::run() {
     out_.rounds.push_back(std::move(r));
   };
   add_round();
-  if (!options_.places.empty() && diagnosis_.topology.ok()) {
+  if (!options_.places.empty()) {
     // The hinges nearest to each place, else the nearest vertex.
     for (const Eigen::Vector3d& p : options_.places) {
       std::vector<std::pair<double, Index>> near;
@@ -446,43 +495,33 @@ Result<RepairResult> Repair::run() {
         (input_.V.rowwise() - p.transpose()).rowwise().squaredNorm().minCoeff(&nearest);
         seeds.push_back(nearest);
       }
-      std::sort(seeds.begin(), seeds.end());
-      bool known = false;
-      for (Cluster& c : clusters_)
-        if (sorted_share(c.seeds, seeds)) {
-          std::vector<Index> all;
-          std::set_union(c.seeds.begin(), c.seeds.end(), seeds.begin(), seeds.end(), std::back_inserter(all));
-          c.seeds = std::move(all);
-          ++c.level;
-          known = true;
-        }
-      if (known) continue;
-      clusters_.emplace_back();
-      clusters_.back().seeds = std::move(seeds);
-      clusters_.back().level = 1;
+      int level = 0;
+      for (const Index v : rings_->grown(seeds, 1, scratch_)) level = std::max(level, level_[v] + 2);
+      for (const Index v : seeds) level_[v] = std::max(level, 1);
     }
   }
-  if (clusters_.empty() && offences_.empty()) {
+  const auto inside_out = [&] {
+    return Error{ErrorCode::infeasible,
+                 diagnosis_.message + " Moving vertices a little does not help: a component faces inwards."};
+  };
+  if (hopeless_) return inside_out();
+  const bool asked = !options_.places.empty();
+  if (!asked && offences_.empty()) {
     out_.surface = now_;
     out_.diagnosis = std::move(diagnosis_);
     out_.termination = "nothing to repair";
     return std::move(out_);
   }
-  const bool asked = !clusters_.empty();
   while (!offences_.empty() || (asked && out_.rounds.size() == 1)) {
-    if (hopeless_)
-      return Error{ErrorCode::infeasible,
-                   diagnosis_.message + " Moving vertices a little does not help: a component faces inwards."};
     if (static_cast<int>(out_.rounds.size()) > options_.max_rounds) break;
     assign();
-    if (std::any_of(clusters_.begin(), clusters_.end(),
-                    [](const Cluster& c) { return c.level >= kLevels; }))
-      break;
-    merge_overlapping();
+    if (exhausted_) break;
+    place();
     compose();
     if (Status s = look(out_.rounds.size() % 4 == 0); !s) return s.error();
     add_round();
   }
+  if (hopeless_) return inside_out();
   if (!offences_.empty()) {
     const Index v = offences_[0][0];
     return Error{ErrorCode::infeasible,

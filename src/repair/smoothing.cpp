@@ -43,8 +43,8 @@ std::vector<Index> VertexRings::grown(const std::vector<Index>& seeds, int rings
   return all;
 }
 
-VertexMatrix smoothed(const VertexMatrix& V, const VertexRings& rings, const std::vector<Index>& free,
-                      Smoothing kind) {
+VertexMatrix smoothed(const VertexMatrix& V, const VertexMatrix& values, const VertexRings& rings,
+                      const std::vector<Index>& free, Smoothing kind, const std::vector<float>& part) {
   const auto column = [&](Index v) -> Index {
     const auto i = std::lower_bound(free.begin(), free.end(), v);
     return i != free.end() && *i == v ? static_cast<Index>(i - free.begin()) : -1;
@@ -85,9 +85,14 @@ VertexMatrix smoothed(const VertexMatrix& V, const VertexRings& rings, const std
       if (const Index c = column(u); c >= 0)
         entries.emplace_back(static_cast<int>(i), c, w);
       else
-        right.row(static_cast<Eigen::Index>(i)) -= w * V.row(u);
+        right.row(static_cast<Eigen::Index>(i)) -= w * values.row(u);
     };
-    put(v, sum * scale);
+    double hold = 0;
+    if (kind == Smoothing::membrane && !part.empty()) {
+      hold = sum * (1 / std::max<double>(part[i], 1e-3) - 1);
+      right.row(static_cast<Eigen::Index>(i)) += hold * values.row(v);
+    }
+    put(v, sum * scale + hold);
     for (const Index u : rings(v)) put(u, -weight(u, v) * scale);
   }
   Eigen::SparseMatrix<double> A(static_cast<Eigen::Index>(rows.size()), n);

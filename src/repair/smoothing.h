@@ -32,10 +32,12 @@ enum class Smoothing {
   thin_plate  // squared distances to these means as small as possible: bends without a kink at the rim
 };
 
-// Positions for the vertices `free` (sorted) of V, the others staying where they are: free.size() x 3.
+// Values for the vertices `free` (sorted) that continue those of all others smoothly: free.size() x 3. With
+// values = V: positions. part: of each free vertex, 0 to 1, for the membrane: how strongly it is drawn to the
+// mean of its neighbours (1) rather than to its own value (0); small parts remove kinks and keep the shape.
 // Weights are one over the edges' lengths in V, so that vertices slide little where V is flat.
 // Empty when a whole component is free, or nothing can be solved for.
-VertexMatrix smoothed(const VertexMatrix& V, const VertexRings& rings, const std::vector<Index>& free,
-                      Smoothing kind);
+VertexMatrix smoothed(const VertexMatrix& V, const VertexMatrix& values, const VertexRings& rings,
+                      const std::vector<Index>& free, Smoothing kind, const std::vector<float>& part = {});
 
 }  // namespace overtet

@@ -1,0 +1,45 @@
+#include <cstdio>
+
+#include "kernels/parallel/parallel.h"
+#include "src/cli/commands.h"
+#include "src/cli/signals.h"
+#include "src/io/file.h"
+#include "src/io/surface_io.h"
+#include "src/repair/repair.h"
+
+namespace overtet {
+
+int run(const RepairCommand& command, const CommonOptions& common, Terminal& terminal) {
+  const Result<SurfaceFormat> format = surface_format_of(command.output);
+  if (!format) return fail(terminal, format.error());
+  if (command.input == command.output)
+    return fail(terminal,
+                {ErrorCode::usage, "The input would be overwritten; choose another name for the output."});
+  {
+    AtomicFile probe;  // before any work: can there be a file of this name?
+    if (Status s = probe.open(command.output); !s) return fail(terminal, s.error());
+  }
+  const RunContext context = common.context(terminal);
+  const ScopedThreads threads(common.threads);
+  Watchdog watchdog(context.deadline, context.memory_limit_bytes,
+                    [&](const Error& error) { terminal.error(error.message); });
+  const Result<Surface> surface = read_surface(command.input);
+  if (!surface) return fail(terminal, surface.error());
+  RepairOptions options;
+  options.max_relative_move = command.max_move / 100;
+  const Result<RepairResult> repaired = repair(surface.value(), options, context);
+  watchdog.dismiss();
+  if (!repaired) return fail(terminal, repaired.error());
+  const RepairResult& r = repaired.value();
+  if (Status s = write_surface(command.output, r.surface, format.value()); !s)
+    return fail(terminal, s.error());
+  terminal.clear();
+  char most[32];
+  std::snprintf(most, sizeof most, "%.4f", 100 * r.max_relative);
+  terminal.say(command.output + ": " + std::to_string(r.moved.size()) + " of " +
+               std::to_string(r.surface.V.rows()) + " vertices moved, by " + most +
+               " % of the diagonal at most. " + r.diagnosis.message);
+  return 0;
+}
+
+}  // namespace overtet
