@@ -28,7 +28,10 @@ namespace {
 // that does not end in some rounds, the distance grows.
 constexpr int kDistances[] = {-44, -38, -32, -26};  // powers of two, relative to the largest coordinate
 constexpr int kRoundsPerDistance = 6;
-constexpr int kMostRounds = 1 + kRoundsPerDistance * static_cast<int>(std::size(kDistances));
+
+// More crossings than this many times those of the input: rounds make them instead of ending them.
+constexpr std::size_t kMostGrowth = 4;
+constexpr int kMostRounds = kRoundsPerDistance * static_cast<int>(std::size(kDistances));
 
 using Kernel = CGAL::Exact_predicates_exact_constructions_kernel;
 using Point3 = Kernel::Point_3;
@@ -235,11 +238,11 @@ class Arranger {
       if (auto error = Cutter(points_, pieces_).run(crossing, context)) return *error;
       if (round == 0)
         for (const Piece& p : pieces_) cut_faces_.push_back(p.cut ? p.sheet.face : -1);
-      if (round > 0) snap(round);
+      snap(round);
       merge();
       crossing = intersections();
       if (crossing.empty()) return collect(round + 1);
-      if (round + 1 == kMostRounds)
+      if (round + 1 == kMostRounds || (round > 1 && crossing.size() > kMostGrowth * (pairs.size() + 100)))
         return Error{ErrorCode::unsolved,
                      "Where the surface crosses itself, " + std::to_string(crossing.size()) +
                          " pairs of pieces are too close together for double precision."};
@@ -284,7 +287,7 @@ class Arranger {
   void snap(int round) {
     double largest = 0;
     for (const auto& p : points_) largest = std::max(largest, p.cwiseAbs().maxCoeff());
-    const double near = std::ldexp(1.0, std::ilogb(largest) + kDistances[(round - 1) / kRoundsPerDistance]);
+    const double near = std::ldexp(1.0, std::ilogb(largest) + kDistances[round / kRoundsPerDistance]);
     std::vector<char> used(points_.size(), 0);
     for (const Piece& piece : pieces_)
       if (piece.cut)

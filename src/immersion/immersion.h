@@ -45,7 +45,7 @@ struct ImmersionResult {
 };
 
 // pairs: all intersecting pairs of faces; wound: src/surface/wound_edges.h.
-// Errors: unsolved (with the place), limit, interrupted, infeasible (negative winding).
+// Errors: unsolved (with the place), limit, interrupted.
 Result<ImmersionResult> immerse(const Surface& surface, const std::vector<std::pair<Index, Index>>& pairs,
                                 std::span<const WoundEdge> wound, const ImmersionOptions& options,
                                 const RunContext& context);

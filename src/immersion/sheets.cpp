@@ -512,8 +512,10 @@ class Assigner {
     for (Index c = 0; c < cells_; ++c) {
       out_.winding[c] = known[c];
       if (known[c] < 0 && known[c] != kUnknown)
-        return Error{ErrorCode::infeasible,
-                     "The surface has a region of negative winding number " + std::to_string(known[c]) + "."};
+        // Whether the surface itself has such a region is for the exact diagnosis to say; rounding can make
+        // one.
+        return Error{ErrorCode::unsolved, "The arrangement has a cell of negative winding number " +
+                                              std::to_string(known[c]) + "."};
       if (known[c] == kUnknown)
         return Error{ErrorCode::unsolved, "The arrangement has a cell that no face bounds."};
     }

@@ -60,14 +60,14 @@ struct Sheets {
   std::int64_t search_nodes = 0;
 
   Index winding_of(Index tet) const { return tet < 0 ? 0 : winding[cell[tet]]; }
+
   // Where `copy` of one side of a facet goes: the copy on the other side (>= 0), or -1 - s where it
   // ends at the facet's sheet s.
   int across(Index facet, bool from_front, int copy) const;
 };
 
 // pre: tets meshes the arrangement (keep_facets), facet markers are arrangement triangle + 1.
-// Errors: infeasible when a winding number is negative; unsolved when there is no gluing for these wound
-// edges, naming a place.
+// Errors: unsolved when a cell's winding number is negative, or when there is no gluing, naming a place.
 Result<Sheets> assign_sheets(const Surface& surface, const Arrangement& arrangement, const TetgenResult& tets,
                              std::span<const WoundEdge> wound, const RunContext& context);
 

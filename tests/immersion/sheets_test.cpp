@@ -113,11 +113,11 @@ TEST(Sheets, CopiesOfASolidTorusChangePlaces) {
   EXPECT_TRUE(exchanged);
 }
 
-TEST(Sheets, NegativeWindingIsInfeasible) {
+TEST(Sheets, NegativeWindingHasNoSheets) {
   const Prepared p = test::prepared(test::saucer(2));
   const Result<Sheets> sheets = sheets_of(p);
   ASSERT_FALSE(sheets.ok());
-  EXPECT_EQ(sheets.error().code, ErrorCode::infeasible);
+  EXPECT_EQ(sheets.error().code, ErrorCode::unsolved);
 }
 
 // An elbow's hinges need wound edges. Others than the right ones must not lead to a wrong answer: either the
