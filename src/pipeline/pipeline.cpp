@@ -33,11 +33,6 @@ double seconds_since(RunContext::Clock::time_point start) {
   return std::chrono::duration<double>(RunContext::Clock::now() - start).count();
 }
 
-// How long TetGen's refinement may take: 445 000 faces take 14 s.
-RunContext::Clock::duration quality_time(Eigen::Index faces) {
-  return std::chrono::milliseconds(10000 + faces / 5);
-}
-
 class Hash {
  public:
   void add(const void* data, std::size_t bytes) {
@@ -227,16 +222,7 @@ Result<TetMesh> Run::mesh_immersed() {
   return stage("immersion", [&](StageRecord& record) -> Result<TetMesh> {
     const Diagnosis& d = found_.diagnosis;
     ImmersionOptions options;
-    // Refinement for quality can go on for ever at needles; a mesh without it is still a mesh.
-    RunContext patient = context_;
-    patient.deadline =
-        std::min(context_.deadline, RunContext::Clock::now() + quality_time(surface_.F.rows()));
-    Result<ImmersionResult> r = immerse(surface_, d.pairs, d.wound.edges, options, patient);
-    if (!r && r.error().code == ErrorCode::limit && !context_.stop()) {
-      context_.note(LogLevel::info, "The tet mesh is refined without end; trying without refinement.");
-      options.radius_edge = 0;
-      r = immerse(surface_, d.pairs, d.wound.edges, options, context_);
-    }
+    Result<ImmersionResult> r = immerse(surface_, d.pairs, d.wound.edges, options, context_);
     if (!r) {
       unglued_ = place_in(r.error().message);
       return r.error();
@@ -245,7 +231,7 @@ Result<TetMesh> Run::mesh_immersed() {
     if (Status s = save("arrangement", Surface{x.arrangement.V, x.arrangement.F}); !s) return s.error();
     if (Status s = save("cover", x.cover); !s) return s.error();
     record.iterations = x.search_nodes;
-    record.figures = {{"refined", options.radius_edge > 0},
+    record.figures = {{"refined", x.refined},
                       {"cells", std::int64_t{x.cells}},
                       {"regions", std::int64_t{x.regions}},
                       {"winding_max", std::int64_t{x.winding_max}},
@@ -265,13 +251,9 @@ Result<TetMesh> Run::mesh_clean() {
     Plc plc;
     plc.V = surface_.V;
     plc.F = surface_.F;
-    // Refinement for quality can go on for ever on needles; a mesh without it is still a mesh.
-    RunContext patient = context_;
-    patient.deadline =
-        std::min(context_.deadline, RunContext::Clock::now() + quality_time(surface_.F.rows()));
     TetgenOptions options;
-    Result<TetgenResult> tets = tetrahedralize(plc, options, patient);
-    if (!tets && !context_.stop()) {
+    Result<TetgenResult> tets = tetrahedralize_stubbornly(plc, options, context_);
+    if (!tets && tets.error().code == ErrorCode::unsolved) {
       context_.note(LogLevel::info,
                     "TetGen with quality refinement: " + tets.error().message + " Trying without.");
       options.quality = false;
@@ -412,7 +394,10 @@ Status run_repairing(const Surface& surface, const PipelineOptions& options, con
     unglued = run.unglued();
     report.input = input;
     report.witness = witness;
-    if (!done) continue;
+    if (!done) {
+      if (!repairable(done.error())) return done;  // the time is up, and the like
+      continue;
+    }
     report.status = RunStatus::repaired;
     report.witness.reset();
     report.moved_vertices = static_cast<std::int64_t>(fixed.value().moved.size());

@@ -35,6 +35,11 @@ constexpr Step kLadder[] = {
 constexpr int kLevels = static_cast<int>(std::size(kLadder));
 constexpr std::size_t kWorthMirroring = 6;  // vertices
 
+// Where nearly everything crosses nearly everything (offences per vertex) the crease is smoothed out at once:
+// a little less of it would still be out of reach for a mesh.
+constexpr double kDense = 8;
+constexpr int kDenseLevel = 18;
+
 constexpr double kFlatFace = 1e-14;  // height over reach below which a face counts as one without area
 constexpr std::size_t kFlood = 200000;
 
@@ -223,12 +228,15 @@ void Repair::assign() {
       for (const Index u : (*rings_)(v))
         if (first_at[u] >= 0) parent[root(i)] = root(static_cast<std::size_t>(first_at[u]));
   std::vector<Offence> groups(n);
+  std::vector<std::size_t> members(n, 0);
   for (std::size_t i = 0; i < n; ++i) {
     Offence& g = groups[root(i)];
+    ++members[root(i)];
     g.insert(g.end(), offences_[i].begin(), offences_[i].end());
   }
   const std::vector<int> before = level_;
-  for (Offence& g : groups) {
+  for (std::size_t group = 0; group < n; ++group) {
+    Offence& g = groups[group];
     if (g.empty()) continue;
     std::sort(g.begin(), g.end());
     g.erase(std::unique(g.begin(), g.end()), g.end());
@@ -242,7 +250,8 @@ void Repair::assign() {
     if (level < 0)
       for (const Cluster& c : clusters_)
         if (sorted_share(c.region, g)) level = std::max(level, c.level + 1);
-    for (const Index v : g) level_[v] = std::max({level_[v], level, 0});
+    const bool dense = level < 0 && static_cast<double>(members[group]) > kDense * static_cast<double>(g.size());
+    for (const Index v : g) level_[v] = std::max({level_[v], level, dense ? kDenseLevel : 0});
   }
   for (int& l : level_)
     if (l >= kLevels) {
@@ -388,6 +397,8 @@ Status Repair::shrink() {
   std::vector<Cluster> good = clusters_;
   std::vector<char> bad;
   std::vector<double> low(clusters_.size(), 0), high(clusters_.size(), 1);
+  for (std::size_t c = 0; c < clusters_.size(); ++c)
+    if (clusters_[c].level >= kDenseLevel) low[c] = 1;  // feasible is not enough there; see kDense
   for (int i = 0; i < 4 && work_left(); ++i) {
     for (std::size_t c = 0; c < clusters_.size(); ++c) clusters_[c].part = (low[c] + high[c]) / 2;
     if (Status s = judge(bad); !s) return s;
