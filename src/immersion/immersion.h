@@ -34,7 +34,8 @@ struct ImmersionOptions {
 struct ImmersionResult {
   TetMesh mesh;  // boundary = the input surface
   Arrangement arrangement;
-  TetMesh cover;  // before the boundary points were moved inside
+  TetMesh cover;         // before the boundary points were moved inside
+  bool refined = false;  // TetGen inserted points for quality
   Index cells = 0, regions = 0, constraints = 0;
   Index winding_max = 0;
   std::int64_t search_nodes = 0;

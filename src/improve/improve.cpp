@@ -44,6 +44,7 @@ Status ImproveOptions::validate() const {
                  "The angle below which vertices are inserted must lie between 0 and 40 degrees."};
   if (!(growth >= 1)) return Error{ErrorCode::usage, "The allowed growth of the mesh must be at least 1."};
   if (passes < 0) return Error{ErrorCode::usage, "The number of passes must not be negative."};
+  if (!(effort >= 0)) return Error{ErrorCode::usage, "The effort of the quality pass must not be negative."};
   if (!(seconds >= 0)) return Error{ErrorCode::usage, "The time for the quality pass must not be negative."};
   return success();
 }
@@ -65,6 +66,7 @@ Result<ImproveResult> improve(TetComplex& mesh, const ImproveOptions& options, c
       std::sin(std::min(options.insert_below_degrees, options.target_degrees) * M_PI / 180);
   const auto most_tets =
       static_cast<std::int64_t>(options.growth * static_cast<double>(mesh.tet_count())) + 100;
+  auto effort_left = static_cast<std::int64_t>(options.effort * static_cast<double>(mesh.tet_count())) + 1000;
 
   // A tet that resisted is left alone until something at its corners changes or stronger means come.
   std::int64_t now = 1;
@@ -134,6 +136,10 @@ Result<ImproveResult> improve(TetComplex& mesh, const ImproveOptions& options, c
             last.time >= std::max({touched[c[0]], touched[c[1]], touched[c[2]], touched[c[3]]}))
           continue;
       }
+      if (--effort_left < 0) {
+        result.end = ImproveResult::End::effort_spent;
+        break;
+      }
       bool done = false;
       for (const auto& e : kEdges) {
         if (done) break;
@@ -180,7 +186,7 @@ Result<ImproveResult> improve(TetComplex& mesh, const ImproveOptions& options, c
     }
     record.seconds = since(pass_begin);
     result.passes.push_back(record);
-    if (result.end == ImproveResult::End::time_over) break;
+    if (result.end == ImproveResult::End::time_over || result.end == ImproveResult::End::effort_spent) break;
     const std::int64_t changes =
         record.removed_edges + record.flips + record.smoothed + record.collapsed + record.inserted;
     const bool slow = weight_before >= 0 && double(record.bad) > kSlow * double(weight_before);

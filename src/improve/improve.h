@@ -26,7 +26,11 @@ struct ImproveOptions {
   bool insert_vertices = true;
   double insert_below_degrees = 10;  // vertices are inserted for tets this bad only
   double growth = 1.5;               // at most this many times the tets given
-  double seconds = 60;               // of wall time; at most half of what the context has left is used
+  // At most this many times the tets given are worked on, so that needles of the boundary that nothing can
+  // improve cost a bounded effort. A count and not a time: the result must not depend on the machine.
+  double effort = 4;
+  // Of wall time, where the caller wants one; at most half of what the context has left is used.
+  double seconds = 1e9;
 
   Status validate() const;
 };
@@ -39,7 +43,7 @@ struct ImprovePass {
 };
 
 struct ImproveResult {
-  enum class End { target_reached, no_progress, passes_done, time_over };
+  enum class End { target_reached, no_progress, passes_done, effort_spent, time_over };
   End end = End::passes_done;
   DihedralStatistics before, after;
   std::vector<ImprovePass> passes;

@@ -32,6 +32,9 @@ using tetgen_wire::Request;
 // How long one wait for the child may take before cancellation and deadline are looked at again.
 constexpr int kPollMilliseconds = 20;
 
+// At needles, refinement for quality can go on for ever; natural inputs need about one added point a vertex.
+constexpr std::int64_t kMostPointsPerVertex = 4;
+
 // Beside the running program, in the libexec folder of an installation, or where it was built.
 std::string child_program() {
   std::string self(4096, '\0');
@@ -297,6 +300,7 @@ Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options
   request.holes = holes.rows();
   request.radius_edge = options.radius_edge;
   request.tolerance = options.tolerance;
+  if (options.quality) request.most_points = kMostPointsPerVertex * plc.V.rows() + 10000;
 
   Reply reply;
   reply.magic = 0;

@@ -99,6 +99,7 @@ void run() {
     std::snprintf(text, sizeof text, "q%.6g", request.radius_edge);
     switches += text;
   }
+  if (request.most_points > 0) switches += "S" + std::to_string(request.most_points);
   if (request.tolerance > 0) {
     char text[40];
     std::snprintf(text, sizeof text, "T%.3g", request.tolerance);

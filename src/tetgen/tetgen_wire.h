@@ -17,6 +17,7 @@ struct Request {
   std::int64_t vertices = 0;
   std::int64_t facets = 0;
   std::int64_t holes = 0;
+  std::int64_t most_points = 0;  // that may be added; 0: any number
   double radius_edge = 0;
   double tolerance = 0;
 };
