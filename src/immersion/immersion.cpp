@@ -53,8 +53,8 @@ Result<ImmersionResult> immerse(const Surface& surface, const std::vector<std::p
   plc.markers.resize(plc.F.rows());
   for (std::size_t g = 0; g < plc.markers.size(); ++g) plc.markers[g] = static_cast<Index>(g) + 1;
   TetgenOptions tetgen;
-  tetgen.quality = options.radius_edge > 0;
-  tetgen.radius_edge = options.radius_edge;
+  tetgen.quality = options.radius_edge > 0 && worth_refining(surface.V, surface.F);
+  if (tetgen.quality) tetgen.radius_edge = options.radius_edge;
   tetgen.accept_split = true;  // added points leave the boundary like those of the arrangement
   Result<TetgenResult> tets = tetrahedralize_stubbornly(plc, tetgen, context);
   if (!tets && tetgen.quality && tets.error().code == ErrorCode::unsolved) {

@@ -252,6 +252,7 @@ Result<TetMesh> Run::mesh_clean() {
     plc.V = surface_.V;
     plc.F = surface_.F;
     TetgenOptions options;
+    options.quality = worth_refining(surface_.V, surface_.F);
     Result<TetgenResult> tets = tetrahedralize_stubbornly(plc, options, context_);
     if (!tets && tets.error().code == ErrorCode::unsolved) {
       context_.note(LogLevel::info,

@@ -1,3 +1,4 @@
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <numeric>
 #include <random>
@@ -9,6 +10,9 @@ namespace overtet {
 namespace {
 
 constexpr int kAttempts = 6;
+
+// Sine of the smallest angle of a face that TetGen still refines around in useful time: 0.006 degrees.
+constexpr double kNeedle = 1e-4;
 
 // Axes turned cyclically (which keeps orientations) by `turn`.
 VertexMatrix turned(const VertexMatrix& V, int turn) {
@@ -53,6 +57,17 @@ Result<TetgenResult> attempt(const Plc& plc, const TetgenOptions& options, const
 }
 
 }  // namespace
+
+bool worth_refining(const VertexMatrix& V, const TriangleMatrix& F) {
+  for (Eigen::Index f = 0; f < F.rows(); ++f) {
+    const Eigen::Vector3d a = V.row(F(f, 0)), b = V.row(F(f, 1)), c = V.row(F(f, 2));
+    // The smallest angle lies between the two longer sides.
+    double side[3] = {(b - a).norm(), (c - b).norm(), (a - c).norm()};
+    std::sort(side, side + 3);
+    if ((b - a).cross(c - a).norm() < kNeedle * side[1] * side[2]) return false;
+  }
+  return true;
+}
 
 Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptions& options,
                                                const RunContext& context) {

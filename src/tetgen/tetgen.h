@@ -50,11 +50,15 @@ struct TetgenResult {
 // Errors: usage (options), bad_input (indices, infinite coordinates, equal vertices: the message names
 // them), limit / interrupted (as the context says; the child is killed), unsolved (TetGen crashed, gave up
 // or lost something; the message says which), internal (the child program is missing).
+// False where a face has an angle so small that refinement for quality would hardly end:
+// TetgenOptions::quality is then better off. V: #V x 3, F: #F x 3.
+bool worth_refining(const VertexMatrix& V, const TriangleMatrix& F);
+
 Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options, const RunContext& context);
 
-// The same, several times where TetGen fails: whether it finds its way through nearly degenerate facets depends on
-// the order in which it sees the points, so each attempt turns the axes and shuffles the points (always in
-// the same way). The geometry stays the same to the last bit, and so do the promises.
+// The same, several times where TetGen fails: whether it finds its way through nearly degenerate facets
+// depends on the order in which it sees the points, so each attempt turns the axes and shuffles the points
+// (always in the same way). The geometry stays the same to the last bit, and so do the promises.
 Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptions& options,
                                                const RunContext& context);
 
