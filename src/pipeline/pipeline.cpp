@@ -175,6 +175,7 @@ Status Run::try_routes() {
                                            save_ ? &*save_ : nullptr, resume_ ? &*resume_ : nullptr});
                     }});
   std::string told;
+  ErrorCode code = ErrorCode::unsolved;
   for (const Route& route : routes) {
     // Two independent ways have found that nothing can be glued together: the flows would only take longer.
     if (!told.empty() && (found_.diagnosis.verdict == Verdict::obstructed || repaired_) &&
@@ -187,12 +188,14 @@ Status Run::try_routes() {
     if (e.code == ErrorCode::limit || e.code == ErrorCode::interrupted || e.code == ErrorCode::io ||
         e.code == ErrorCode::bad_input)
       return done;
+    if (e.code == ErrorCode::internal)
+      code = e.code;  // another route may still do; if none does, this is why
     context_.note(LogLevel::info, std::string("Route ") + route.name + ": " + e.message);
     if (const auto pinched = pinched_vertices()) return *pinched;
     told += (told.empty() ? "" : " ") + std::string("Route ") + route.name + ": " + e.message;
   }
   if (!found_.diagnosis.wound.complete()) told = found_.diagnosis.wound.explanation + " " + told;
-  return Error{ErrorCode::unsolved, "No tet mesh was found. " + told};
+  return Error{code, "No tet mesh was found. " + told};
 }
 
 // A mesh that was saved before the quality pass.

@@ -1,9 +1,11 @@
-// The program from outside: every exit code that can be provoked, what it writes and what it leaves behind.
+// The program from outside: every exit code, what it writes and what it leaves behind.
 #include <gtest/gtest.h>
 #include <signal.h>
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -169,6 +171,20 @@ TEST_F(Cli, BadInput) {
   EXPECT_EQ(malformed.exit_code, 3);
   EXPECT_NE(malformed.err.find("line 5"), std::string::npos) << malformed.err;
   expect_one_line(malformed);
+}
+
+// A broken installation is nobody's input's fault: a helper that cannot be started is an internal error.
+TEST_F(Cli, BrokenInstallationIsAnInternalError) {
+  namespace fs = std::filesystem;
+  const std::string program = folder_.file("overtet"), helper = folder_.file("overtet-tetgen");
+  fs::copy_file(OVERTET_PROGRAM, program);
+  std::ofstream(helper) << "no program";
+  fs::permissions(helper, fs::perms::owner_all);
+  const ShellResult r =
+      shell(program + " mesh " + save("s.off", test::sphere(2)) + " -o " + folder_.file("o.mesh"));
+  EXPECT_EQ(r.exit_code, 70);
+  EXPECT_NE(r.err.find("overtet-tetgen"), std::string::npos) << r.err;
+  EXPECT_FALSE(exists("o.mesh"));
 }
 
 TEST_F(Cli, Infeasible) {
