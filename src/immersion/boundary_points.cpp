@@ -87,7 +87,7 @@ class Clearer {
  private:
   const double* at(Index v) const { return complex_.position(v).data(); }
 
-  // A half-space of the points on the inner side of an outward-facing... inner side of triangle (a, b, c).
+  // The points from which triangle (a, b, c) turns counter-clockwise.
   struct HalfSpace {
     Vector3d normal;  // unit, inward
     Vector3d origin;
