@@ -51,66 +51,84 @@ struct Ring {
   int size() const { return static_cast<int>(half_edges.size()); }
 };
 
-std::optional<int> b0(const Surface& surface, const Rays& rays, const Ring& ring, double* opening = nullptr) {
+// How far the dihedral nearest to a fold is from 0 or 2 pi.
+double opening_of(const Surface& surface, const Ring& ring) {
   const int n = ring.size();
   const double* p = surface.V.data() + 3 * std::int64_t{ring.vertex};
   const auto end = [&](int i) { return surface.V.data() + 3 * std::int64_t{ring.ends[(i + n) % n]}; };
   const auto direction = [&](int i) -> const Real3& { return ring.directions[(i + n) % n]; };
-
-  Real turn = 0, least = kPi;
+  Real least = kPi;
   for (int i = 0; i < n; ++i) {
-    const Real3 &e = direction(i), &after = direction(i + 1), &before = direction(i - 1);
-    const Real3 u = cross(e, after), w = cross(e, before);  // as long as the parts across e
+    const Real3 u = cross(direction(i), direction(i + 1)), w = cross(direction(i), direction(i - 1));
     const Real cosine = dot(u, w), sine = std::sqrt(dot(cross(u, w), cross(u, w)));
-    const int side = orient3d(p, end(i), end(i + 1), end(i - 1));
-    Real theta = std::atan2(sine, cosine);
-    least = std::min(least, side == 0 && cosine > 0 ? 0 : theta);
-    if (side == 0) {
-      theta = cosine > 0 ? 2 * kPi : kPi;  // a fold shows no angle at all; a mesh needs one above 0
-    } else if (side > 0) {
-      theta = 2 * kPi - theta;
-    }
-    turn += kPi - theta;
+    const bool flat = orient3d(p, end(i), end(i + 1), end(i - 1)) == 0;
+    least = std::min(least, flat ? (cosine > 0 ? 0 : kPi) : std::atan2(sine, cosine));
   }
-  if (opening) *opening = static_cast<double>(least);
+  return static_cast<double>(least);
+}
 
-  // Candidates for the direction that counts as outside: the farther from the link's arcs the better.
-  std::vector<Real3> normals;
-  Real3 mean{0, 0, 0};
+// Whether the edge to corner i of the ring is a fold: both faces in one plane, on the same side of it.
+bool is_fold(const Surface& surface, const Ring& ring, int i) {
+  const int n = ring.size();
+  const double* p = surface.V.data() + 3 * std::int64_t{ring.vertex};
+  const auto vector = [&](int k) {
+    return exact::vec(surface.V.data() + 3 * std::int64_t{ring.ends[(k + n) % n]}) - exact::vec(p);
+  };
+  return exact::sign(dot(exact::cross(vector(i), vector(i + 1)), exact::cross(vector(i), vector(i - 1)))) > 0;
+}
+
+std::optional<int> b0(const Surface& surface, const Rays& rays, const Ring& ring) {
+  const int n = ring.size();
+  const double* p = surface.V.data() + 3 * std::int64_t{ring.vertex};
+  const auto end = [&](int i) { return surface.V.data() + 3 * std::int64_t{ring.ends[(i + n) % n]}; };
+
+  std::vector<Vec> normals;  // of the face after corner i
+  std::vector<Real3> rounded;
+  std::vector<int> turn;  // of the link at corner i: 1 to the left, where the outside is; -1; 0 straight on
   for (int i = 0; i < n; ++i) {
-    const auto normal = rays.unit_normal(half_edge_face(ring.half_edges[i]));
-    normals.push_back({normal[0], normal[1], normal[2]});
-    for (int k = 0; k < 3; ++k) mean[k] += normal[k];
+    const Index f = half_edge_face(ring.half_edges[i]);
+    normals.push_back(rays.normal(f));
+    const auto normal = rays.unit_normal(f);
+    rounded.push_back({normal[0], normal[1], normal[2]});
+    const int side = orient3d(p, end(i), end(i + 1), end(i - 1));
+    turn.push_back(side == 0 && is_fold(surface, ring, i) ? 1 : side);
   }
+
+  // Candidates for the axis: the farther from the planes of the faces the fewer digits it takes.
   std::vector<std::pair<Real, Real3>> candidates;
   for (int c = 0; c < 40; ++c) {
-    Real3 d =
-        c == 0 ? mean : Real3{exact::scatter(3 * c), exact::scatter(5 * c + 1), exact::scatter(7 * c + 2)};
+    Real3 d{exact::scatter(3 * c), exact::scatter(5 * c + 1), exact::scatter(7 * c + 2)};
     if (!(dot(d, d) > 1e-6)) continue;
     d = unit(d);
     Real clearance = 1;
-    for (int i = 0; i < n; ++i) clearance = std::min(clearance, std::fabs(dot(d, normals[i])));
+    for (const Real3& normal : rounded) clearance = std::min(clearance, std::fabs(dot(d, normal)));
     candidates.emplace_back(-clearance, d);
   }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   const Point start(p);
   for (const auto& [clearance, d] : candidates) {
-    const double near[3] = {double(d[0]), double(d[1]), double(d[2])};
-    const auto ray = rays.count(start, Point(near), nullptr, ring.faces);
-    if (ray.status == RayStatus::starts_on_surface) return std::nullopt;
-    if (ray.status != RayStatus::counted) continue;
-    Real area = 4 * kPi * ray.winding;
-    const Real3 outside{near[0], near[1], near[2]};
-    const Real3 axis = unit(outside), q{-axis[0], -axis[1], -axis[2]};
+    const double ahead[3] = {double(d[0]), double(d[1]), double(d[2])};
+    const double behind[3] = {-ahead[0], -ahead[1], -ahead[2]};
+    const Vec axis = exact::vec(ahead);
+    // On which side of the meridians (towards `ahead`) the link runs, arc by arc.
+    std::vector<int> side;
+    for (const Vec& normal : normals) side.push_back(-exact::sign(dot(axis, normal)));
+    if (std::count(side.begin(), side.end(), 0) > 0) continue;
+    const auto one = rays.count(start, Point(ahead), nullptr, ring.faces);
+    if (one.status == RayStatus::starts_on_surface) return std::nullopt;
+    if (one.status != RayStatus::counted) continue;
+    const auto other = rays.count(start, Point(behind), nullptr, ring.faces);
+    if (other.status == RayStatus::starts_on_surface) return std::nullopt;
+    if (other.status != RayStatus::counted) continue;
+    // It crosses them at corners only. Passing `ahead` to the left counts 1, to the right -1.
+    int rotation = 0;
     for (int i = 0; i < n; ++i) {
-      const Real3 &a = direction(i), &b = direction(i + 1);
-      const Real volume = dot(axis, cross(a, b));
-      area += 2 * std::atan2(volume, 1 + dot(q, a) + dot(a, b) + dot(b, q));
+      const int before = side[(i + n - 1) % n], after = side[i];
+      if (before < after && turn[i] > 0) ++rotation;
+      if (before > after && turn[i] < 0) --rotation;
     }
-    const Real value = (area + turn) / (2 * kPi) - 1;
-    const Real rounded = std::round(value);
-    if (std::fabs(value - rounded) < 1e-6) return static_cast<int>(rounded);
+    return one.winding + other.winding - rotation - 1;
   }
   return std::nullopt;
 }
@@ -187,7 +205,8 @@ std::vector<Hinge> find_hinges(const Surface& surface, const SurfaceTopology& to
   parallel_for(static_cast<std::int64_t>(hinges.size()), 1, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) {
       const Ring ring(surface, topology, hinges[i].vertex);
-      hinges[i].B0 = b0(surface, rays, ring, &hinges[i].opening);
+      hinges[i].B0 = b0(surface, rays, ring);
+      hinges[i].opening = opening_of(surface, ring);
       hinges[i].covering = smallest_around(surface, rays, ring, hinges[i].crossings).value_or(0);
     }
   });

@@ -13,10 +13,12 @@
 // all along e. So B0 < 0 proves that there is none. Along an edge e the outer side's winding number m_e is
 // the capacity: k_e <= m_e everywhere on e, and k_e <= m_e - c_p near p.
 //
-// How A(p) is computed: with w0 the (exact) winding number just ahead of p in some direction d, A(p) is
-// 4 pi w0 plus the area the link encloses when d counts as outside, a sum over p's own faces. Angles are
-// rounded; which side of 0, pi or 2 pi they lie on is decided exactly, so B0 comes out within 1e-6 of an
-// integer or is not given.
+// How it is computed: exactly, without any angle. The field of meridians towards a direction d (from -d)
+// turns along with the polygon; R counts how often the polygon's direction turns past it, to the left, where
+// the outside is. An arc runs on one side of the meridians, so R changes at corners only, and signs of
+// determinants tell. By Gauss, Bonnet, Poincare and Hopf, with w the winding number just ahead of p,
+//
+//     B0(p) = w(d) + w(-d) - R - 1.
 #pragma once
 
 #include <optional>
@@ -31,11 +33,11 @@ namespace overtet {
 
 struct Hinge {
   Index vertex = -1;
-  // The integer of the theory; none where it is not defined: a face of another part of the surface
+  // The integer of the theory, exact; none where it is not defined: a face of another part of the surface
   // contains the vertex. A fold (two faces flat on each other at their edge) counts as 2 pi: 0 has no mesh.
   std::optional<int> B0;
-  // How far the dihedral nearest to a fold is from 0 or 2 pi, in radians; 0 for a fold. Below about 1e-9
-  // doubles cannot tell the two apart, and B0 computed from rounded angles may come out wrong by one.
+  // How far the dihedral nearest to a fold is from 0 or 2 pi, in radians; 0 for a fold. Below about 1e-9 a
+  // checker that computes B0 from rounded angles cannot tell the two apart and may come out wrong by one.
   double opening = 0;
   // The largest possible c_p: the smallest winding number around p. Negative where the winding is.
   int covering = 0;
