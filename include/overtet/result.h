@@ -1,6 +1,8 @@
 // Errors are values: a code that is also the program's exit code, and one sentence for the user.
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -8,19 +10,23 @@
 namespace overtet {
 
 enum class ErrorCode {
-  usage = 2,        // the options contradict each other or are out of range
-  bad_input = 3,    // the surface cannot be what this program needs; the message names the element
-  unsolved = 4,     // feasible as far as anyone can tell, but no mesh was found
-  infeasible = 5,   // no such mesh exists; a witness says why
-  limit = 6,        // the time or memory limit was reached
-  io = 7,           // a file could not be read or written
-  internal = 70,    // a bug
+  usage = 2,       // the options contradict each other or are out of range
+  bad_input = 3,   // the surface cannot be what this program needs; the message names the element
+  unsolved = 4,    // feasible as far as anyone can tell, but no mesh was found
+  infeasible = 5,  // no such mesh exists; a witness says why
+  limit = 6,       // the time or memory limit was reached
+  io = 7,          // a file could not be read or written
+  internal = 70,   // a bug
   interrupted = 130
 };
 
 struct Error {
   ErrorCode code = ErrorCode::internal;
   std::string message;  // one sentence that tells the user what is wrong and what to do
+  // Where, if it is in one place: in the coordinates of the geometry that the function was given.
+  std::optional<std::array<double, 3>> place = std::nullopt;
+  // Of `unsolved`: everything that could be a solution has been tried, so that another way finds none either.
+  bool exhausted = false;
 };
 
 // A value or an error. Check ok() before value(); taking the wrong one is a bug.

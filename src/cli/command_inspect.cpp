@@ -63,16 +63,12 @@ Json to_json(const Findings& f) {
   j["hinges"] = Json::array();
   for (const Hinge& h : d.hinges)
     j["hinges"].push_back(
-        {{"vertex", h.vertex}, {"b0", h.B0 ? Json(*h.B0) : Json()}, {"covering", h.covering}});
+        {{"vertex", h.vertex}, {"B0", h.B0 ? Json(*h.B0) : Json()}, {"covering", h.covering}});
   j["wound_edges"] = Json::array();
   for (const WoundEdge& e : d.wound.edges) j["wound_edges"].push_back({{"a", e.a}, {"b", e.b}, {"k", e.k}});
   j["winding_min"] = input.winding_min ? Json(*input.winding_min) : Json();
   j["winding_max"] = input.winding_max ? Json(*input.winding_max) : Json();
-  if (const auto& w = f.found.witness) {
-    Json& record = j["witness"] = Json::object();
-    if (w->point) record = {{"point", *w->point}, {"winding", w->winding}};
-    if (w->vertex) record = {{"vertex", *w->vertex}, {"b0", w->b0}};
-  }
+  if (f.found.witness) j["witness"] = Json::parse(to_json(*f.found.witness));
   j["advice"] = d.advice;
   return j;
 }

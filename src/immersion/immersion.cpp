@@ -91,9 +91,8 @@ Result<ImmersionResult> immerse(const Surface& surface, const std::vector<std::p
     const Eigen::Vector3d p = complex.position(cleared.left[0]);
     return Error{ErrorCode::unsolved,
                  std::to_string(cleared.left.size()) +
-                     " points where the surface crosses itself could not be moved inside, the "
-                     "first near (" +
-                     std::to_string(p[0]) + ", " + std::to_string(p[1]) + ", " + std::to_string(p[2]) + ")."};
+                     " points where the surface crosses itself could not be moved inside.",
+                 std::array<double, 3>{p[0], p[1], p[2]}};
   }
   complex.compact(static_cast<Index>(surface.V.rows()));
   out.mesh = complex.to_mesh(static_cast<Index>(surface.V.rows()));

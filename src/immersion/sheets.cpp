@@ -258,7 +258,11 @@ class Assigner {
     for (int round = 0; round < kFreeRounds; ++round) {
       reset();
       if (auto error = find_edges()) return *error;
-      if (auto error = solve()) return error->code == ErrorCode::unsolved ? *failure : *error;
+      if (auto error = solve()) {
+        if (error->code != ErrorCode::unsolved) return *error;
+        failure->exhausted = round == 0 && !cut_short_ && !in_doubt_;
+        return *failure;
+      }
       if (settle_free_edges()) return std::move(out_);
     }
     return *failure;
@@ -281,9 +285,8 @@ class Assigner {
     free_groups_.clear();
   }
 
-  std::string place(Index vertex) const {
-    const auto p = tets_.V.row(vertex);
-    return "(" + std::to_string(p[0]) + ", " + std::to_string(p[1]) + ", " + std::to_string(p[2]) + ")";
+  std::array<double, 3> place(Index vertex) const {
+    return {tets_.V(vertex, 0), tets_.V(vertex, 1), tets_.V(vertex, 2)};
   }
   Index sheet_count(Index facet) const {
     const Index g = out_.facets[facet].triangle;
@@ -644,8 +647,8 @@ class Assigner {
 
   // Input edges that could be wound: nothing else meets them but in points, and the outer side is covered all
   // along.
-  std::optional<Error> find_covered_edges(const std::vector<EdgeUse>& uses, std::set<Edge>& covered) const {
-    std::set<Edge> excluded = refused_;
+  std::optional<Error> find_covered_edges(const std::vector<EdgeUse>& uses, std::set<Edge>& covered) {
+    std::set<Edge> excluded = refused_, uncovered, doubtful;
     std::vector<Fan::Pass> passes;
     Edge over;
     for (std::size_t b = 0; b < uses.size();) {
@@ -662,8 +665,18 @@ class Assigner {
                out_.winding_of(sheet(use.facet, 0).sign > 0 ? f.front : f.back) >= 1;
       }
       (fits ? covered : excluded).insert(over);
+      if (fits) continue;
+      // The turns of a wound edge cover everything around it.
+      bool surrounded = true;
+      for (const EdgeUse& use : group) {
+        const Facet& f = out_.facets[use.facet];
+        surrounded = surrounded && std::min(out_.winding_of(f.front), out_.winding_of(f.back)) >= 1;
+      }
+      (surrounded ? doubtful : uncovered).insert(over);
     }
     for (const Edge& edge : excluded) covered.erase(edge);
+    in_doubt_ = std::any_of(doubtful.begin(), doubtful.end(),
+                            [&](const Edge& edge) { return uncovered.count(edge) == 0; });
     return std::nullopt;
   }
 
@@ -778,8 +791,7 @@ class Assigner {
         const double d = distance_to_edge(group[0].p, edge) + distance_to_edge(group[0].q, edge);
         if (d < best) best = d, found = static_cast<int>(j), found_edge = edge;
       }
-      if (found < 0)
-        return Error{ErrorCode::unsolved, "The arrangement is torn near " + place(group[0].p) + "."};
+      if (found < 0) return Error{ErrorCode::unsolved, "The arrangement is torn.", place(group[0].p)};
       partner[i] = found, partner[found] = static_cast<int>(i);
       edge_passed = found_edge;
       const auto wound = free_ ? turns_.end() : turns_.find(found_edge);
@@ -847,9 +859,11 @@ class Assigner {
     const Index n = static_cast<Index>(out_.regions.size());
     options_.resize(n);
     for (Index r = 0; r < n; ++r)
-      if (!enumerate_options(out_.regions[r], options_[r]) || options_[r].empty())
+      if (!enumerate_options(out_.regions[r], options_[r]) || options_[r].empty()) {
+        cut_short_ = true;
         return Error{ErrorCode::unsolved,
                      "A region's winding numbers leave too many ways to glue its sheets."};
+      }
     fix_labels();
     chosen_.assign(n, nullptr);
     for (Index r = 0; r < n; ++r)
@@ -910,9 +924,9 @@ class Assigner {
   }
 
   Error no_gluing(Index fan) const {
-    return Error{ErrorCode::unsolved,
-                 "The sheets of the solid cannot be glued without a branch line" +
-                     (fan < 0 ? std::string(".") : " near " + place(fan_place_[fan]) + ".")};
+    Error error{ErrorCode::unsolved, "The sheets of the solid cannot be glued without a branch line."};
+    if (fan >= 0) error.place = place(fan_place_[fan]);
+    return error;
   }
 
   // Copies of a cell carry no names: along a spanning forest of the cells one gluing stands for all.
@@ -1031,8 +1045,10 @@ class Assigner {
         if (level.next < level.options.size()) {
           chosen_[level.region] = &options_[level.region][level.options[level.next++]];
           spoil(level.region);
-          if (++out_.search_nodes > kMostSearchNodes || (out_.search_nodes % 256 == 0 && context_.stop()))
+          if (++out_.search_nodes > kMostSearchNodes || (out_.search_nodes % 256 == 0 && context_.stop())) {
+            cut_short_ = true;
             return false;
+          }
           break;
         }
         stale[at[level.region]] = 1;
@@ -1047,6 +1063,8 @@ class Assigner {
   const RunContext& context_;
   std::map<Edge, int> turns_;  // of the wound edges given
   bool free_ = false;          // all covered edges may be wound
+  bool cut_short_ = false;     // the search has not seen everything
+  bool in_doubt_ = false;      // an edge that might be wound does not take part in the search
   std::set<Edge> refused_;
   std::map<Edge, std::vector<std::pair<std::size_t, std::size_t>>> free_groups_;
   std::vector<FreeFan> free_fans_;

@@ -58,18 +58,36 @@ std::optional<Error> wrong_shape(const Surface& s, UnitBox& box) {
   return std::nullopt;
 }
 
-std::optional<WitnessRecord> witness_of(const Diagnosis& d) {
+std::optional<WitnessRecord> witness_of(const Surface& surface, const Diagnosis& d) {
   WitnessRecord record;
+  const auto add = [&](Index v, int B0) {
+    record.vertices.push_back(v);
+    record.B0.push_back(B0);
+    record.positions.push_back({surface.V(v, 0), surface.V(v, 1), surface.V(v, 2)});
+  };
   if (const auto& w = d.winding.witness) {
+    record.rule = WitnessRecord::Rule::winding;
     record.winding = w->winding;
     record.point = w->exact;
     if (w->doubles_suffice)
-      for (std::size_t k = 0; k < 3; ++k) (*record.point)[k] = shortest(w->point[k]);
+      for (std::size_t k = 0; k < 3; ++k) record.point[k] = shortest(w->point[k]);
     return record;
   }
   if (d.vertex_witness) {
-    record.vertex = d.vertex_witness->vertex;
-    record.b0 = d.vertex_witness->B0;
+    record.rule = WitnessRecord::Rule::vertex;
+    add(d.vertex_witness->vertex, d.vertex_witness->B0);
+    return record;
+  }
+  if (d.fold_witness) {
+    record.rule = WitnessRecord::Rule::fold;
+    add(d.fold_witness->vertex, d.fold_witness->B0);
+    return record;
+  }
+  if (!d.wound.odd_groups.empty()) {
+    record.rule = WitnessRecord::Rule::unpaired;
+    const auto& group = d.wound.odd_groups.front();
+    for (const Hinge& h : d.hinges)
+      if (std::binary_search(group.begin(), group.end(), h.vertex)) add(h.vertex, h.B0.value_or(0));
     return record;
   }
   return std::nullopt;
@@ -99,7 +117,7 @@ Result<Inspection> inspect(const Surface& surface, bool everything, const RunCon
   if (!d) return d.error();
   r.diagnosis = std::move(d).value();
   r.problem = refuse(r.diagnosis);
-  if (r.problem && r.problem->code == ErrorCode::infeasible) r.witness = witness_of(r.diagnosis);
+  if (r.problem && r.problem->code == ErrorCode::infeasible) r.witness = witness_of(surface, r.diagnosis);
   return r;
 }
 

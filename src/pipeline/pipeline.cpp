@@ -86,7 +86,7 @@ class Run {
   Status finish_saved();
   Result<TetMesh> mesh_clean();
   Result<TetMesh> mesh_immersed();
-  std::optional<Eigen::Vector3d> place_in(const std::string& message) const;
+  Error in_input_space(Error error) const;
   Status finish(TetMesh mesh);
   TetMesh improved(const TetMesh& mesh);
   template <class Geometry>
@@ -177,10 +177,8 @@ Status Run::try_routes() {
   std::string told;
   ErrorCode code = ErrorCode::unsolved;
   for (const Route& route : routes) {
-    // Two independent ways have found that nothing can be glued together: the flows would only take longer.
-    if (!told.empty() && (found_.diagnosis.verdict == Verdict::obstructed || repaired_) &&
-        options_.preset == Preset::standard)
-      break;
+    // A repaired surface is repaired again where the sheets could not be glued: no flows.
+    if (!told.empty() && repaired_ && options_.preset == Preset::standard) break;
     Result<TetMesh> mesh = route.run();
     Status done = mesh ? finish(std::move(mesh).value()) : Status(mesh.error());
     if (done) return done;
@@ -192,6 +190,12 @@ Status Run::try_routes() {
       code = e.code;  // another route may still do; if none does, this is why
     context_.note(LogLevel::info, std::string("Route ") + route.name + ": " + e.message);
     if (const auto pinched = pinched_vertices()) return *pinched;
+    if (e.exhausted)
+      return Error{ErrorCode::unsolved,
+                   "No tet mesh was found: " + e.message +
+                       " All gluings have been tried, with all edges wound that could be, so no other way "
+                       "would find one.",
+                   e.place, true};
     told += (told.empty() ? "" : " ") + std::string("Route ") + route.name + ": " + e.message;
   }
   if (!found_.diagnosis.wound.complete()) told = found_.diagnosis.wound.explanation + " " + told;
@@ -210,15 +214,18 @@ Status Run::finish_saved() {
   return finish(std::move(mesh).value());
 }
 
-// The place that a message of the immersion route names, out of the unit box.
-std::optional<Eigen::Vector3d> Run::place_in(const std::string& message) const {
-  const std::size_t at = message.find("near (");
+// An error of a stage, which works in the unit box, in the input's space; the message names the place, too.
+Error Run::in_input_space(Error error) const {
+  if (!error.place) return error;
   VertexMatrix p(1, 3);
-  if (at == std::string::npos ||
-      std::sscanf(message.c_str() + at, "near (%lf, %lf, %lf)", &p(0, 0), &p(0, 1), &p(0, 2)) != 3)
-    return std::nullopt;
+  p << (*error.place)[0], (*error.place)[1], (*error.place)[2];
   out_of_unit_box(p, box_);
-  return Eigen::Vector3d(p.row(0).transpose());
+  error.place = {p(0, 0), p(0, 1), p(0, 2)};
+  char where[96];
+  std::snprintf(where, sizeof where, " near (%.6g, %.6g, %.6g).", p(0, 0), p(0, 1), p(0, 2));
+  if (!error.message.empty() && error.message.back() == '.') error.message.pop_back();
+  error.message += where;
+  return error;
 }
 
 Result<TetMesh> Run::mesh_immersed() {
@@ -227,8 +234,9 @@ Result<TetMesh> Run::mesh_immersed() {
     ImmersionOptions options;
     Result<ImmersionResult> r = immerse(surface_, d.pairs, d.wound.edges, options, context_);
     if (!r) {
-      unglued_ = place_in(r.error().message);
-      return r.error();
+      Error error = in_input_space(r.error());
+      if (error.place) unglued_ = Eigen::Vector3d((*error.place)[0], (*error.place)[1], (*error.place)[2]);
+      return error;
     }
     const ImmersionResult& x = r.value();
     if (Status s = save("arrangement", Surface{x.arrangement.V, x.arrangement.F}); !s) return s.error();
@@ -326,8 +334,6 @@ Status Run::finish(TetMesh mesh) {
 
 Status Run::go() {
   if (Status s = diagnose(); !s) return s;
-  if (options_.on_infeasible == OnInfeasible::repair && found_.diagnosis.verdict == Verdict::obstructed)
-    return Error{ErrorCode::infeasible, found_.diagnosis.message};
   const std::string hash = hash_of(input_);
   if (!options_.resume.empty()) {
     Result<StageFiles> files = StageFiles::open(options_.resume, hash, box_);

@@ -20,7 +20,48 @@ Json coordinate(const std::string& text) {
   return end && *end == '\0' && !text.empty() && std::isfinite(x) ? Json(x) : Json(text);
 }
 
+// "point" and "vertex" at the top are proofs by themselves; the other rules must not have them there.
+Json json_of(const WitnessRecord& w) {
+  Json j;
+  j["rule"] = name_of(w.rule);
+  switch (w.rule) {
+    case WitnessRecord::Rule::winding:
+      j["point"] = Json::array();
+      for (const std::string& c : w.point) j["point"].push_back(coordinate(c));
+      j["winding"] = w.winding;
+      return j;
+    case WitnessRecord::Rule::vertex:
+      j["vertex"] = w.vertices[0];
+      j["B0"] = w.B0[0];
+      j["position"] = w.positions[0];
+      return j;
+    case WitnessRecord::Rule::fold:
+    case WitnessRecord::Rule::unpaired:
+      j["vertices"] = w.vertices;
+      j["B0"] = w.B0;
+      j["positions"] = w.positions;
+      return j;
+  }
+  return j;
+}
+
 }  // namespace
+
+const char* name_of(WitnessRecord::Rule rule) {
+  switch (rule) {
+    case WitnessRecord::Rule::winding:
+      return "winding";
+    case WitnessRecord::Rule::vertex:
+      return "vertex";
+    case WitnessRecord::Rule::fold:
+      return "fold";
+    case WitnessRecord::Rule::unpaired:
+      return "unpaired";
+  }
+  return "";
+}
+
+std::string to_json(const WitnessRecord& witness) { return json_of(witness).dump(); }
 
 const char* name_of(RunStatus status) {
   switch (status) {
@@ -60,20 +101,7 @@ std::string to_json(const Report& r) {
   if (!r.input.notes.empty()) input["notes"] = r.input.notes;
   j["status"] = name_of(r.status);
   j["message"] = r.message;
-  if (r.witness) {
-    Json& w = j["witness"];
-    w = Json::object();
-    if (r.witness->point) {
-      w["point"] = Json::array();
-      for (const std::string& c : *r.witness->point) w["point"].push_back(coordinate(c));
-      w["winding"] = r.witness->winding;
-    }
-    if (r.witness->vertex) {
-      w["vertex"] = *r.witness->vertex;
-      w["b0"] = r.witness->b0;
-    }
-    if (r.witness->face) w["face"] = *r.witness->face;
-  }
+  if (r.witness) j["witness"] = json_of(*r.witness);
   j["moved"] = {{"vertices", r.moved_vertices}, {"max_relative", r.max_relative_move}};
   j["stages"] = Json::array();
   for (const StageRecord& s : r.stages) {

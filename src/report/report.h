@@ -26,15 +26,22 @@ struct StageRecord {
   std::vector<Figure> figures;
 };
 
-// Why no tet mesh exists: a point of negative winding number (its coordinates as decimal numbers or exact
-// fractions), or a vertex whose neighbourhood positive tets cannot fill (B0 < 0), or a face.
+// Why no tet mesh exists.
 struct WitnessRecord {
-  std::optional<std::array<std::string, 3>> point;
+  enum class Rule {
+    winding,  // a point of negative winding number
+    vertex,   // a vertex whose neighbourhood positive tets cannot fill: B0 < 0
+    fold,     // the same at a dihedral so close to 0 or 2 pi that rounded angles may give another integer
+    unpaired  // an odd number of vertices with odd B0 that covered edges join to each other only
+  };
+  Rule rule = Rule::winding;
+  std::array<std::string, 3> point;  // decimal numbers or exact fractions
   int winding = 0;
-  std::optional<Index> vertex;
-  int b0 = 0;
-  std::optional<Index> face;
+  std::vector<Index> vertices;  // one, or the whole odd group
+  std::vector<int> B0;          // of each
+  std::vector<std::array<double, 3>> positions;
 };
+const char* name_of(WitnessRecord::Rule rule);  // as in the report
 
 struct InputRecord {
   std::string format;
@@ -62,5 +69,8 @@ struct Report {
 
 std::string version();                      // of Overtet
 std::string to_json(const Report& report);  // indented, with a line end
+
+// The report's "witness", for who prints it elsewhere; no line end.
+std::string to_json(const WitnessRecord& witness);
 
 }  // namespace overtet

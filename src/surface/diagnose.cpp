@@ -53,7 +53,7 @@ void count_shared(const Surface& surface, Diagnosis& d) {
 }
 
 // The vertex with B0 < 0 that is easiest to check: the one farthest from a fold, where rounded angles give
-// the same integer. A fold itself proves as much but is no certificate for a checker that rounds.
+// the same integer.
 void find_vertex_witness(Diagnosis& d) {
   double opening = kCheckableOpening;
   for (const Hinge& h : d.hinges) {
@@ -62,7 +62,7 @@ void find_vertex_witness(Diagnosis& d) {
       opening = h.opening;
       d.vertex_witness = VertexWitness{h.vertex, *h.B0};
     } else if (h.opening <= kCheckableOpening) {
-      d.folded_vertex = h.vertex;
+      d.fold_witness = VertexWitness{h.vertex, *h.B0};
     }
   }
 }
@@ -90,9 +90,9 @@ void decide(Diagnosis& d) {
     return;
   }
   if (d.verdict == Verdict::infeasible) return;
-  if (d.folded_vertex >= 0) {
+  if (d.fold_witness) {
     d.verdict = Verdict::obstructed;
-    d.message = "No positive mesh exists: at vertex " + std::to_string(d.folded_vertex) +
+    d.message = "No positive mesh exists: at vertex " + std::to_string(d.fold_witness->vertex) +
                 " two faces lie flat on each other (or as good as), with no room for a tet between them.";
     return;
   }
@@ -134,7 +134,7 @@ void advise(Diagnosis& d) {
   if (d.verdict == Verdict::infeasible && d.vertex_witness)
     say("Around vertex " + std::to_string(d.vertex_witness->vertex) +
         " the surface folds back on itself. Smooth its one-ring until its faces stop crossing.");
-  if (d.verdict == Verdict::obstructed)
+  if (!d.wound.odd_groups.empty())
     say("The faces at these vertices cross each other, and no edge there can take the extra turn. Smooth the "
         "one-ring until its faces stop crossing, or split its edges where other faces cross them.");
   if (d.verdict == Verdict::feasible && !d.hinges.empty())
@@ -224,7 +224,7 @@ Result<Diagnosis> diagnose(const Surface& surface, const DiagnoseOptions& option
   {
     const Stopwatch time(d.times.wound_edges);
     d.pierced_edges = find_pierced_edges(surface, topology, d.pairs);
-    if (options.wound_edges && !d.winding.witness && !d.vertex_witness && d.folded_vertex < 0 &&
+    if (options.wound_edges && !d.winding.witness && !d.vertex_witness && !d.fold_witness &&
         !d.hinges.empty()) {
       auto wound = assign_wound_edges(surface, topology, *bvh, d.hinges, d.pierced_edges, context);
       if (!wound.ok()) return wound.error();
@@ -239,7 +239,8 @@ Result<Diagnosis> diagnose(const Surface& surface, const DiagnoseOptions& option
 
 std::optional<Error> refuse(const Diagnosis& d) {
   if (d.verdict == Verdict::bad_input) return Error{ErrorCode::bad_input, d.message};
-  if (d.verdict == Verdict::infeasible) return Error{ErrorCode::infeasible, d.message};
+  if (d.verdict == Verdict::infeasible || d.verdict == Verdict::obstructed)
+    return Error{ErrorCode::infeasible, d.message};
   return std::nullopt;
 }
 

@@ -30,9 +30,8 @@ enum class Verdict {
   bad_input,   // not a closed, oriented, manifold surface of faces with area
   embedded,    // no two faces intersect and the winding is right: a plain tet mesh will do
   feasible,    // passes through itself; nothing that forbids a mesh was found
-  infeasible,  // a point of negative winding, or a vertex with B0 < 0: certified
-  obstructed   // no mesh exists either, but the proof is none of these two: the hinges' equations have no
-               // solution on legal edges (odd_groups), or B0 < 0 at a fold (folded_vertex)
+  infeasible,  // no mesh exists: a point of negative winding, or a vertex with B0 < 0
+  obstructed   // no mesh exists: hinges that cannot be paired (wound.odd_groups), or B0 < 0 at a fold
 };
 const char* verdict_name(Verdict verdict);
 
@@ -59,7 +58,9 @@ struct Diagnosis {
   std::vector<PiercedEdge> pierced_edges;
   WindingRange winding;  // with the point of negative winding
   std::optional<VertexWitness> vertex_witness;
-  Index folded_vertex = -1;  // a vertex with B0 < 0 where doubles cannot tell a dihedral of 0 from 2 pi
+  // A vertex with B0 < 0 where doubles cannot tell a dihedral of 0 from 2 pi. As much of a proof, but only
+  // for who computes exactly.
+  std::optional<VertexWitness> fold_witness;
   WoundEdges wound;
   std::vector<std::string> advice;  // sentences for a person
   DiagnosisTimes times;
@@ -76,7 +77,6 @@ struct Diagnosis {
 Result<Diagnosis> diagnose(const Surface& surface, const DiagnoseOptions& options, const RunContext& context);
 
 // What `overtet mesh` must answer at once, if anything: bad_input (3) or infeasible (5) with the message.
-// `obstructed` passes: its proof is not a certificate that the format of the report can carry yet.
 std::optional<Error> refuse(const Diagnosis& diagnosis);
 
 }  // namespace overtet

@@ -31,8 +31,10 @@ class Assigner {
 
   Result<WoundEdges> run() {
     prepare();
-    std::vector<int> extra(hinges_.size(), 0);
     WoundEdges best;
+    if (auto stop = find_odd_groups(best)) return *stop;
+    if (!best.odd_groups.empty()) return best;  // nothing to assign
+    std::vector<int> extra(hinges_.size(), 0);
     // First with as many layers over every hinge as its winding allows, which asks for the fewest chains;
     // then with closed chains through a hinge allowed; then with one layer fewer over the unmet ones.
     bool first = true;
@@ -55,15 +57,19 @@ class Assigner {
       }
       if (!changed) break;
     }
-    if (!best.complete()) find_odd_groups(best);
     return best;
   }
 
  private:
-  // Floods the legal edges from every odd hinge, through everything.
-  void find_odd_groups(WoundEdges& out) {
+  // Floods the covered edges from every odd hinge, through everything. Over all vertices of a flood the sums
+  // of k count every edge twice, so they are even; and the sum at a vertex is B0 - 2 c. That must be known of
+  // every vertex of the flood: where another vertex lies in the same place the two share the equation, so
+  // such a flood proves nothing. (A point of another face or edge in the same place does no harm at an
+  // ordinary vertex: what it adds is a multiple of two.)
+  std::optional<Error> find_odd_groups(WoundEdges& out) {
     std::unordered_set<Index> seen;
     for (const Hinge& start : hinges_) {
+      if (auto stop = context_.stop()) return stop;
       if (!start.B0 || *start.B0 % 2 == 0 || !seen.insert(start.vertex).second) continue;
       std::vector<Index> stack{start.vertex}, odd;
       bool sure = true;
@@ -73,19 +79,26 @@ class Assigner {
         if (const Index i = hinge_at_[v]; i >= 0) {
           sure = sure && hinges_[i].B0.has_value();
           if (hinges_[i].B0 && *hinges_[i].B0 % 2 != 0) odd.push_back(v);
+        } else {
+          sure = sure && !meets_vertex(v);
         }
-        for (const Index h : half_edges_around(topology_, v)) {
-          sure = sure && (simple(h) || edge(h).known);
+        around(v, [&](Index h) {
+          sure = sure && is_known(h);
           if (least(h) >= 1 && seen.insert(half_edge_target(surface_.F, h)).second)
             stack.push_back(half_edge_target(surface_.F, h));
-        }
+        });
       }
       if (sure && odd.size() % 2 != 0) {
         std::sort(odd.begin(), odd.end());
         out.odd_groups.push_back(std::move(odd));
       }
     }
-    if (out.odd_groups.empty()) return;
+    if (out.odd_groups.empty()) return std::nullopt;
+    // The smallest first: the easiest to understand and to check.
+    std::stable_sort(out.odd_groups.begin(), out.odd_groups.end(),
+                     [](const auto& a, const auto& b) { return a.size() < b.size(); });
+    for (const auto& odd : out.odd_groups) out.unmet.insert(out.unmet.end(), odd.begin(), odd.end());
+    std::sort(out.unmet.begin(), out.unmet.end());
     const auto& group = out.odd_groups.front();
     const Hinge& hinge = hinges_[hinge_at_[group.front()]];
     out.explanation =
@@ -96,6 +109,22 @@ class Assigner {
                "the edges whose outer side is covered all along lead from there to no other such vertex."
              : ", and the " + std::to_string(group.size()) +
                    " vertices with odd B0 that covered edges join to it cannot be paired.");
+    return std::nullopt;
+  }
+
+  // Whether another vertex lies where v does: its faces then pierce the edges of v.
+  bool meets_vertex(Index v) const {
+    bool found = false;
+    around(v, [&](Index h) {
+      const auto at = pierced_.find(edge_of(h));
+      if (found || at == pierced_.end()) return;
+      for (const Index g : *at->second)
+        for (int k = 0; k < 3; ++k) {
+          const Index u = surface_.F(g, k);
+          found = found || (u != v && surface_.V.row(u) == surface_.V.row(v));
+        }
+    });
+    return found;
   }
 
   struct Edge {
@@ -139,7 +168,7 @@ class Assigner {
     return v;
   }
 
-  // Layers over an ordinary vertex.
+  // Layers over an ordinary vertex. kUndefined where no edge tells; that is less than any number.
   int layers(Index v) {
     const Index r = root(v);
     if (layers_[r] != kUnknown) return layers_[r];
@@ -154,8 +183,7 @@ class Assigner {
       found = true;
       break;
     }
-    if (!found) value = 0;
-    return layers_[r] = value;
+    return layers_[r] = found ? value : kUndefined;
   }
 
   const Edge& edge(Index h) {
@@ -170,6 +198,12 @@ class Assigner {
     out.levels = out.known ? *levels : std::vector<int>{0};
     out.least = *std::min_element(out.levels.begin(), out.levels.end());
     return edges_.emplace(e, std::move(out)).first->second;
+  }
+  // Whether the levels of the edge are defined.
+  bool is_known(Index h) {
+    if (!simple(h)) return edge(h).known;
+    const Index a = half_edge_source(surface_.F, h);
+    return layers(hinge_at_[a] < 0 ? a : half_edge_target(surface_.F, h)) != kUndefined;
   }
   // Edges that nothing pierces, with an ordinary end, are the bulk and need no entry of their own.
   bool simple(Index h) const {
@@ -573,6 +607,7 @@ class Assigner {
   std::vector<Index> hinge_at_;
   std::vector<Index> patch_;
   static constexpr int kUnknown = std::numeric_limits<int>::min();
+  static constexpr int kUndefined = std::numeric_limits<int>::min() / 4;
   std::vector<int> layers_;  // by root
   std::unordered_map<Index, Edge> edges_;
   std::vector<char> is_pierced_;  // by smaller half-edge

@@ -1,7 +1,10 @@
 // The witnesses that the program finds, checked by a script that shares no code with it; and wrong ones.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <cstdio>
+#include <cstring>
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,6 +45,71 @@ std::string obj_text(const Surface& s) {
   return out;
 }
 
+std::string ply_text(const Surface& s) {
+  std::string out =
+      "ply\nformat ascii 1.0\ncomment made for a test\nelement vertex " + std::to_string(s.V.rows()) +
+      "\nproperty double x\nproperty double y\nproperty double z\nproperty uchar red\nelement face " +
+      std::to_string(s.F.rows()) + "\nproperty list uchar int vertex_indices\nend_header\n";
+  char line[128];
+  for (Index v = 0; v < s.V.rows(); ++v) {
+    std::snprintf(line, sizeof line, "%.17g %.17g %.17g 255\n", s.V(v, 0), s.V(v, 1), s.V(v, 2));
+    out += line;
+  }
+  for (Index f = 0; f < s.F.rows(); ++f) {
+    std::snprintf(line, sizeof line, "3 %d %d %d\n", s.F(f, 0), s.F(f, 1), s.F(f, 2));
+    out += line;
+  }
+  return out;
+}
+
+template <class T>
+void put(std::string& out, T x, bool big) {
+  char bytes[sizeof x];
+  std::memcpy(bytes, &x, sizeof x);
+  if (big) std::reverse(bytes, bytes + sizeof x);  // made on a little-endian machine
+  out.append(bytes, sizeof x);
+}
+
+std::string binary_ply(const Surface& s, bool big) {
+  std::string out = std::string("ply\nformat binary_") + (big ? "big" : "little") +
+                    "_endian 1.0\nelement vertex " + std::to_string(s.V.rows()) +
+                    "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
+                    std::to_string(s.F.rows()) + "\nproperty list uchar int vertex_index\nend_header\n";
+  for (Index v = 0; v < s.V.rows(); ++v)
+    for (int k = 0; k < 3; ++k) put(out, s.V(v, k), big);
+  for (Index f = 0; f < s.F.rows(); ++f) {
+    out += '\3';
+    for (int k = 0; k < 3; ++k) put(out, s.F(f, k), big);
+  }
+  return out;
+}
+
+std::string stl_text(const Surface& s) {
+  std::string out = "solid made for a test\n";
+  char line[128];
+  for (Index f = 0; f < s.F.rows(); ++f) {
+    out += "facet normal 0 0 0\nouter loop\n";
+    for (int k = 0; k < 3; ++k) {
+      const auto p = s.V.row(s.F(f, k));
+      std::snprintf(line, sizeof line, "vertex %.17g %.17g %.17g\n", p[0], p[1], p[2]);
+      out += line;
+    }
+    out += "endloop\nendfacet\n";
+  }
+  return out + "endsolid\n";
+}
+
+std::string binary_stl(const Surface& s) {
+  std::string out(80, ' ');
+  put(out, static_cast<std::uint32_t>(s.F.rows()), false);
+  for (Index f = 0; f < s.F.rows(); ++f) {
+    for (int k = 0; k < 3; ++k) put(out, 0.0f, false);
+    for (int i = 0; i < 9; ++i) put(out, static_cast<float>(s.V(s.F(f, i / 3), i % 3)), false);
+    out.append(2, '\0');
+  }
+  return out;
+}
+
 class CheckWitness : public testing::Test {
  protected:
   // The script's answer; `said` is what it printed.
@@ -68,7 +136,7 @@ Diagnosis diagnosed(const Surface& s) {
 }
 
 std::string vertex_witness(Index vertex, int b0) {
-  return "{\"vertex\": " + std::to_string(vertex) + ", \"b0\": " + std::to_string(b0) + "}";
+  return "{\"vertex\": " + std::to_string(vertex) + ", \"B0\": " + std::to_string(b0) + "}";
 }
 
 template <class Values>
@@ -103,6 +171,11 @@ TEST_F(CheckWitness, PointsOfNegativeWinding) {
     EXPECT_EQ(answer(s, witness(w.winding - 1)), 1) << said_;
     EXPECT_EQ(answer(s, "{\"point\": [100, 0.5, \"-1/3\"], \"winding\": -1}"), 1) << said_;
     EXPECT_EQ(answer(obj_text(s), witness(w.winding), "s.obj"), 0) << said_;
+    EXPECT_EQ(answer(ply_text(s), witness(w.winding), "s.ply"), 0) << said_;
+    EXPECT_EQ(answer(binary_ply(s, false), witness(w.winding), "s.ply"), 0) << said_;
+    EXPECT_EQ(answer(binary_ply(s, true), witness(w.winding), "s.ply"), 0) << said_;
+    EXPECT_EQ(answer(stl_text(s), witness(w.winding), "s.stl"), 0) << said_;
+    EXPECT_EQ(answer(binary_stl(s), witness(w.winding), "s.stl"), 0) << said_;
   }
   // On the surface nothing is proven.
   const Surface s = test::box(1);
@@ -124,6 +197,9 @@ TEST_F(CheckWitness, IntegersOfVertices) {
       EXPECT_EQ(got, *h.B0 < 0 ? 0 : 1) << "seed " << seed << ", B0 " << *h.B0 << ": " << said_;
       const std::string is = "B0 of vertex " + std::to_string(h.vertex) + " is " + std::to_string(*h.B0);
       EXPECT_NE(said_.find(is + "."), std::string::npos) << "seed " << seed << ": " << is << ", " << said_;
+      const std::string fold = "{\"rule\": \"fold\", \"vertices\": [" + std::to_string(h.vertex) +
+                               "], \"B0\": [" + std::to_string(*h.B0) + "]}";
+      EXPECT_EQ(answer(s, fold), got) << said_;
       ++(*h.B0 < 0 ? negative : positive);
       if (looked > 1) continue;
       EXPECT_EQ(answer(s, vertex_witness(h.vertex, *h.B0 - 1)), 1) << said_;
@@ -164,10 +240,28 @@ TEST_F(CheckWitness, PairedVerticesAreNoProof) {
   EXPECT_EQ(answer(s, unpaired_witness({0}, {0})), 1) << said_;  // even
 }
 
+// Two vertices in one place may share what hinges ask for.
+TEST_F(CheckWitness, VerticesInOnePlaceAreNoProof) {
+  const Surface s = test::obstructed_elbow(0);
+  const Diagnosis d = diagnosed(s);
+  ASSERT_FALSE(d.wound.odd_groups.empty());
+  const auto& group = d.wound.odd_groups[0];
+  std::vector<int> b0;
+  for (const Index v : group) b0.push_back(b0_of(d, v).value());
+  Surface other = test::sphere(0, 0.05);
+  const Eigen::RowVector3d move = s.V.row(group[0]) - other.V.row(0);
+  for (Index v = 0; v < other.V.rows(); ++v) other.V.row(v) += move;
+  other.V.row(0) = s.V.row(group[0]);
+  const Surface touching = test::joined(s, other);
+  EXPECT_NE(answer(touching, unpaired_witness(group, b0)), 0) << said_;
+  for (const auto& odd : diagnosed(touching).wound.odd_groups)
+    EXPECT_EQ(std::count(odd.begin(), odd.end(), group[0]), 0);
+}
+
 TEST_F(CheckWitness, WhatCannotBeReadIsNeitherProofNorRefutation) {
   const Surface s = test::saucer(1);
-  EXPECT_EQ(answer(s, "{\"vertex\": 100000, \"b0\": -1}"), 2);
-  EXPECT_EQ(answer(s, "{\"vertex\": \"a\", \"b0\": -1}"), 2);
+  EXPECT_EQ(answer(s, "{\"vertex\": 100000, \"B0\": -1}"), 2);
+  EXPECT_EQ(answer(s, "{\"vertex\": \"a\", \"B0\": -1}"), 2);
   EXPECT_EQ(answer(s, "{\"point\": [1, 2], \"winding\": -1}"), 2);
   EXPECT_EQ(answer(s, "{\"point\": [1, 2, \"x\"], \"winding\": -1}"), 2);
   EXPECT_EQ(answer(s, "{\"point\": [1, 2, 3]}"), 2);
@@ -175,7 +269,7 @@ TEST_F(CheckWitness, WhatCannotBeReadIsNeitherProofNorRefutation) {
   EXPECT_EQ(answer(s, "{\"face\": 3}"), 2);
   EXPECT_EQ(answer(off_text(s), "{\"status\": \"exact\"}"), 2);
   EXPECT_EQ(answer(off_text(s), "no report"), 2);
-  const std::string witness = "{\"vertex\": 0, \"b0\": -1}";
+  const std::string witness = "{\"vertex\": 0, \"B0\": -1}";
   Surface open = s;
   open.F.conservativeResize(open.F.rows() - 1, 3);
   EXPECT_EQ(answer(open, witness), 2);

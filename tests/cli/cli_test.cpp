@@ -13,6 +13,7 @@
 #include "src/io/tet_io.h"
 #include "tests/support/files.h"
 #include "tests/support/models.h"
+#include "tests/support/noise.h"
 #include "tests/support/process.h"
 
 namespace overtet {
@@ -202,6 +203,24 @@ TEST_F(Cli, Infeasible) {
   const ShellResult inspected = run("inspect --json " + in);
   EXPECT_EQ(inspected.exit_code, 0);
   EXPECT_EQ(json::parse(inspected.out)["witness"]["winding"], -1);
+}
+
+// Whoever reads the witness must not take the hinges for a point or a vertex that proves something by itself.
+TEST_F(Cli, UnpairedHingesAreInfeasible) {
+  const std::string in = save("elbow.off", test::obstructed_elbow(0));
+  const ShellResult r =
+      run("mesh " + in + " -o " + folder_.file("o.mesh") + " --report " + folder_.file("r.json"));
+  EXPECT_EQ(r.exit_code, 5);
+  expect_one_line(r);
+  const json w = report("r.json")["witness"];
+  EXPECT_EQ(w["rule"], "unpaired");
+  EXPECT_EQ(w["vertices"].size() % 2, 1u);
+  EXPECT_EQ(w["B0"].size(), w["vertices"].size());
+  EXPECT_EQ(w["positions"].size(), w["vertices"].size());
+  EXPECT_FALSE(w.contains("vertex") || w.contains("point"));
+  const ShellResult inspected = run("inspect --json " + in);
+  EXPECT_EQ(inspected.exit_code, 0);
+  EXPECT_EQ(json::parse(inspected.out)["witness"], w);
 }
 
 TEST_F(Cli, InspectSpeaksTextAndJson) {

@@ -11,6 +11,7 @@
 #include "src/verify/verify.h"
 #include "tests/support/files.h"
 #include "tests/support/models.h"
+#include "tests/support/noise.h"
 
 namespace overtet {
 namespace {
@@ -91,10 +92,36 @@ TEST(Pipeline, TheFlowRouteMeshesToo) {
     EXPECT_TRUE(stages(r).contains(name));
 }
 
+// An odd number of odd hinges that covered edges join: known before anything is cut or moved.
+TEST(Pipeline, UnpairedHingesAreInfeasible) {
+  const Surface s = test::obstructed_elbow(0);
+  for (const Preset preset : {Preset::standard, Preset::flow}) {
+    PipelineOptions options;
+    options.preset = preset;
+    const PipelineResult r = run(s, options);
+    EXPECT_EQ(r.exit_code(), 5);
+    ASSERT_TRUE(r.report.witness.has_value());
+    const WitnessRecord& w = *r.report.witness;
+    EXPECT_EQ(w.rule, WitnessRecord::Rule::unpaired);
+    EXPECT_EQ(w.vertices.size() % 2, 1u);
+    ASSERT_EQ(w.vertices.size(), w.B0.size());
+    ASSERT_EQ(w.vertices.size(), w.positions.size());
+    for (std::size_t i = 0; i < w.vertices.size(); ++i) {
+      EXPECT_EQ(std::abs(w.B0[i]) % 2, 1);
+      for (int k = 0; k < 3; ++k) EXPECT_EQ(w.positions[i][k], s.V(w.vertices[i], k));
+    }
+    EXPECT_EQ(stages(r).size(), 1u);
+  }
+  PipelineOptions options;
+  options.on_infeasible = OnInfeasible::repair;
+  EXPECT_TRUE(stages(run(s, options)).contains("repair"));
+}
+
 TEST(Pipeline, SaysWhyThereIsNoMesh) {
   const PipelineResult saucer = run(test::saucer());
   EXPECT_EQ(saucer.exit_code(), 5);
-  ASSERT_TRUE(saucer.report.witness && saucer.report.witness->point);
+  ASSERT_TRUE(saucer.report.witness.has_value());
+  EXPECT_EQ(saucer.report.witness->rule, WitnessRecord::Rule::winding);
   EXPECT_LT(saucer.report.witness->winding, 0);
   EXPECT_EQ(saucer.mesh.T.rows(), 0);
   EXPECT_EQ(run(test::flipped(test::sphere())).exit_code(), 5);
