@@ -2,10 +2,175 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "kernels/predicates/predicates.h"
 
 namespace overtet {
+
+namespace {
+
+constexpr std::int64_t kFaceGrain = 8192;
+constexpr std::int64_t kVertexGrain = 4096;
+constexpr int kMostFaces = 32;  // of a vertex that is looked at as a whole
+
+// For every vertex whether its faces, all around it, can be seen at once from some direction without covering
+// each other. Then no two of them intersect beyond what they share, and their pairs, which are nearly all
+// pairs whose boxes overlap, need no test of their own.
+class FlatVertices {
+ public:
+  FlatVertices(const VertexMatrix& V, const TriangleMatrix& F) : points_(V.data()), faces_(F.data()) {
+    const Index vertices = static_cast<Index>(V.rows());
+    flat_.resize(vertices);
+    if (3 * F.rows() > std::int64_t{std::numeric_limits<std::uint32_t>::max()}) {
+      std::fill(flat_.begin(), flat_.end(), 0);
+      return;
+    }
+    list_faces(vertices, static_cast<std::uint32_t>(3 * F.rows()));
+    parallel_for(vertices, kVertexGrain, [&](std::int64_t begin, std::int64_t end) {
+      for (std::int64_t v = begin; v < end; ++v) {
+        // The points of the vertices to come lie anywhere in memory.
+        if (const std::int64_t soon = v + 8; soon < end)
+          for (std::uint32_t c = start_[soon]; c < start_[soon + 1]; ++c)
+            __builtin_prefetch(points_ + 3 * std::int64_t{ring_[c].next});
+        flat_[v] = is_flat(static_cast<Index>(v));
+      }
+    });
+  }
+
+  bool operator[](Index v) const { return flat_[v] != 0; }
+
+ private:
+  // A face (v, next, after).
+  struct Sector {
+    Index next, after;
+  };
+
+  // ring_[start_[v] .. start_[v + 1]): of the faces at v, ascending. Each range of vertices is listed by
+  // itself, so that all threads can work; there is one result whatever the ranges are.
+  void list_faces(Index vertices, std::uint32_t corners) {
+    const int ranges = std::clamp(thread_cap(), 1, 64);
+    start_.resize(static_cast<std::size_t>(vertices) + 1);
+    ring_.resize(corners);
+    const auto range = [&](std::int64_t r) { return static_cast<Index>(vertices * r / ranges); };
+    std::vector<std::uint32_t> total(ranges + 1, 0);
+    parallel_for(ranges, 1, [&](std::int64_t r, std::int64_t) {
+      const Index begin = range(r), end = range(r + 1);
+      const std::uint32_t size = static_cast<std::uint32_t>(end - begin);
+      std::fill(start_.begin() + begin, start_.begin() + end, 0);
+      for (std::uint32_t c = 0; c < corners; ++c)
+        if (const std::uint32_t at = static_cast<std::uint32_t>(faces_[c] - begin); at < size)
+          ++start_[begin + at];
+      for (Index v = begin; v < end; ++v) total[r + 1] += start_[v];
+    });
+    for (int r = 0; r < ranges; ++r) total[r + 1] += total[r];
+    start_[vertices] = total[ranges];
+    parallel_for(ranges, 1, [&](std::int64_t r, std::int64_t) {
+      const Index begin = range(r), end = range(r + 1);
+      const std::uint32_t size = static_cast<std::uint32_t>(end - begin);
+      // Ends first, filled from behind: what is left are the starts.
+      std::uint32_t sum = total[r];
+      for (Index v = begin; v < end; ++v) start_[v] = sum += start_[v];
+      for (std::uint32_t c = corners; c > 0;) {
+        c -= 3;
+        for (int k = 2; k >= 0; --k)
+          if (const std::uint32_t at = static_cast<std::uint32_t>(faces_[c + k] - begin); at < size)
+            ring_[--start_[begin + at]] = {faces_[c + (k == 2 ? 0 : k + 1)],
+                                           faces_[c + (k == 0 ? 2 : k - 1)]};
+      }
+    });
+  }
+
+  bool is_flat(Index v) const {
+    const int n = static_cast<int>(start_[v + 1] - start_[v]);
+    if (n < 3 || n > kMostFaces) return false;
+    const Sector* ring = ring_.data() + start_[v];
+    double x[kMostFaces], y[kMostFaces], z[kMostFaces], size = 0;  // of `next`, seen from v
+    const double* at = points_ + 3 * std::int64_t{v};
+    for (int i = 0; i < n; ++i) {
+      const double* p = points_ + 3 * std::int64_t{ring[i].next};
+      x[i] = p[0] - at[0];
+      y[i] = p[1] - at[1];
+      z[i] = p[2] - at[2];
+      size = std::max(size, std::max(std::fabs(x[i]), std::max(std::fabs(y[i]), std::fabs(z[i]))));
+    }
+    if (!(size > 1e-40 && size < 1e60)) return false;  // so that nothing below leaves the range of doubles
+    // In closed rings every `after` is the `next` of one other face.
+    int following[kMostFaces];
+    std::uint32_t seen = 0;
+    for (int i = 0; i < n; ++i) {
+      std::uint32_t found = 0;
+      for (int j = 0; j < n; ++j) found |= std::uint32_t{ring[j].next == ring[i].after} << j;
+      if (found == 0 || (found & (found - 1)) != 0 || (seen & found) != 0) return false;
+      seen |= found;
+      following[i] = __builtin_ctz(found);
+    }
+    double nx[kMostFaces], ny[kMostFaces], nz[kMostFaces], sx = 0, sy = 0, sz = 0;
+    for (int i = 0; i < n; ++i) {
+      const int j = following[i];
+      sx += nx[i] = y[i] * z[j] - z[i] * y[j];
+      sy += ny[i] = z[i] * x[j] - x[i] * z[j];
+      sz += nz[i] = x[i] * y[j] - y[i] * x[j];
+    }
+    // From the direction of their sum every face is seen from its front: sum . (p x q) > 0 with certainty.
+    // Each of the six products is at most |sum| size^2; the rounding of its factors and of the sums together
+    // is less than 14 ulp of |sum|_1 size^2.
+    const double length = std::fabs(sx) + std::fabs(sy) + std::fabs(sz);
+    if (!(length > 1e-40 * size * size)) return false;
+    const double bound = 1e-14 * length * size * size;
+    bool front = true;
+    for (int i = 0; i < n; ++i) front &= sx * nx[i] + sy * ny[i] + sz * nz[i] > bound;
+    if (!front) return false;
+    // Then they turn a whole number of times, as often as the ring crosses a half-line. The line is along an
+    // axis, seen from that direction: a point is on the side that the sign of (sum x axis) . point says.
+    return turns(n, following, y, z, sy, sz, length * size) == 1 ||
+           turns(n, following, z, x, sz, sx, length * size) == 1 ||
+           turns(n, following, x, y, sx, sy, length * size) == 1;
+  }
+
+  // -1 when a point is too close to the line to tell.
+  static int turns(int n, const int* following, const double* y, const double* z, double sy, double sz,
+                   double size) {
+    double side[kMostFaces], nearest = HUGE_VAL;
+    for (int i = 0; i < n; ++i) {
+      side[i] = sz * y[i] - sy * z[i];
+      nearest = std::min(nearest, std::fabs(side[i]));
+    }
+    if (!(nearest > 4e-15 * size)) return -1;
+    int out = 0;
+    for (int i = 0; i < n; ++i) out += int{side[i] < 0} & int{side[following[i]] > 0};
+    return out;
+  }
+
+  const double* points_;
+  const Index* faces_;
+  RawVector<std::uint32_t> start_;
+  RawVector<Sector> ring_;
+  RawVector<std::uint8_t> flat_;
+};
+
+// The corners of a face, for pairs that need no test when they have one of these numbers in common: corners
+// that are not flat get numbers of their own.
+struct Corners {
+  std::int32_t v[3], unused;
+};
+
+bool share(const Corners& f, const Corners& g) {
+#if defined(__SSE2__)
+  const __m128i other = _mm_loadu_si128(reinterpret_cast<const __m128i*>(&g));
+  const __m128i a = _mm_cmpeq_epi32(other, _mm_set1_epi32(f.v[0])),
+                b = _mm_cmpeq_epi32(other, _mm_set1_epi32(f.v[1])),
+                c = _mm_cmpeq_epi32(other, _mm_set1_epi32(f.v[2]));
+  return (_mm_movemask_ps(_mm_castsi128_ps(_mm_or_si128(_mm_or_si128(a, b), c))) & 7) != 0;
+#else
+  bool any = false;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) any |= f.v[i] == g.v[j];
+  return any;
+#endif
+}
+
+}  // namespace
 
 bool all_finite(const VertexMatrix& V) {
   const double* x = V.data();
@@ -31,27 +196,30 @@ std::vector<FacePair> find_self_intersections(const VertexMatrix& V, const Trian
   if (!options.active.empty()) bvh.set_active(options.active);
   const double* points = V.data();
   const Index* faces = F.data();
-  const auto visit = [&](Index f, Index g, std::vector<FacePair>& out) {
+  const auto order = bvh.order();
+  RawVector<Corners> corners(order.size());
+  {
+    const FlatVertices flat(V, F);
+    parallel_for(bvh.size(), kFaceGrain, [&](std::int64_t begin, std::int64_t end) {
+      for (std::int64_t place = begin; place < end; ++place) {
+        const Index* face = faces + 3 * std::int64_t{order[place]};
+        for (int k = 0; k < 3; ++k)
+          corners[place].v[k] = flat[face[k]] ? face[k] : static_cast<Index>(-1 - place);
+        // Two corners of one face with the same number do no harm.
+        corners[place].unused = 0;
+      }
+    });
+  }
+  const auto visit = [&](Index p, Index q, std::vector<FacePair>& out) {
+    if (share(corners[p], corners[q])) return;
+    const Index f = std::min(order[p], order[q]), g = std::max(order[p], order[q]);
     if (faces_intersect(points, faces + 3 * std::int64_t{f}, faces + 3 * std::int64_t{g}))
       out.emplace_back(f, g);
   };
-  std::vector<FacePair> pairs;
-  if (options.stop_at_first)
-    bvh.find_self_pair<FacePair>(pairs, visit);
-  else
-    pairs = bvh.collect_self_pairs<FacePair>(visit);
+  std::vector<FacePair> pairs = options.stop_at_first ? bvh.find_self_places<FacePair>(visit)
+                                                      : bvh.collect_self_places<FacePair>(visit);
   std::sort(pairs.begin(), pairs.end());
   return pairs;
-}
-
-std::vector<FacePair> still_intersecting(const VertexMatrix& V, const TriangleMatrix& F,
-                                         const std::vector<FacePair>& pairs) {
-  std::vector<FacePair> out;
-  for (const FacePair& pair : pairs)
-    if (faces_intersect(V.data(), F.data() + 3 * std::int64_t{pair.first},
-                        F.data() + 3 * std::int64_t{pair.second}))
-      out.push_back(pair);
-  return out;
 }
 
 }  // namespace overtet

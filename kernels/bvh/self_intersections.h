@@ -3,6 +3,10 @@
 // "Intersect" has the meaning of CGAL::Polygon_mesh_processing::self_intersections: faces without a
 // common vertex in any point, faces with one common vertex beyond it, faces with a common edge when they
 // are coplanar and overlap, faces with the same three vertices always.
+//
+// Nearly all pairs of overlapping boxes are faces around one vertex. Vertices whose faces lie beside each
+// other when seen from some direction are therefore found first, once each, and their pairs left out; all
+// others are decided by predicates. Answers are exact either way.
 #pragma once
 
 #include <cstdint>
@@ -34,9 +38,5 @@ std::vector<FacePair> find_self_intersections(const VertexMatrix& V, const Trian
 // tree's active mask only when the options name one.
 std::vector<FacePair> find_self_intersections(const VertexMatrix& V, const TriangleMatrix& F,
                                               TriangleBvh& bvh, const SelfIntersectionOptions& options = {});
-
-// Those of the given pairs that intersect, in their order; to look at the last hits first.
-std::vector<FacePair> still_intersecting(const VertexMatrix& V, const TriangleMatrix& F,
-                                         const std::vector<FacePair>& pairs);
 
 }  // namespace overtet

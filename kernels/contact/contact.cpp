@@ -150,10 +150,14 @@ std::vector<IndexPair> ContactMesh::candidates(const BoxOf& box_of) {
                  for (std::int64_t i = begin; i < end; ++i) boxes_[i] = box_of(free_faces_[i]);
                });
   free_tree_.refit(boxes_);
-  std::vector<IndexPair> pairs = free_tree_.self_pairs();
-  for (IndexPair& p : pairs) p = {free_faces_[p.a], free_faces_[p.b]};
-  std::vector<IndexPair> mixed = free_tree_.pairs_with(frozen_tree_);
-  for (IndexPair& p : mixed) p = {free_faces_[p.a], frozen_faces_[p.b]};
+  std::vector<IndexPair> pairs =
+      free_tree_.collect_self_pairs<IndexPair>([&](Index a, Index b, std::vector<IndexPair>& out) {
+        out.push_back({free_faces_[a], free_faces_[b]});
+      });
+  const std::vector<IndexPair> mixed =
+      free_tree_.collect_pairs<IndexPair>(frozen_tree_, [&](Index a, Index b, std::vector<IndexPair>& out) {
+        out.push_back({free_faces_[a], frozen_faces_[b]});
+      });
   pairs.insert(pairs.end(), mixed.begin(), mixed.end());
   return pairs;
 }

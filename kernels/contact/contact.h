@@ -20,11 +20,17 @@
 #include <span>
 #include <vector>
 
-#include "kernels/contact/box_tree.h"
+#include "kernels/bvh/box_tree.h"
 #include "kernels/contact/distance.h"
 #include "overtet/types.h"
 
 namespace overtet {
+
+struct IndexPair {
+  Index a, b;
+  friend bool operator==(const IndexPair&, const IndexPair&) = default;
+  friend auto operator<=>(const IndexPair&, const IndexPair&) = default;
+};
 
 struct Contact {
   std::array<Index, 4> v;  // vertex | triangle, or edge | edge

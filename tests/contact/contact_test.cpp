@@ -132,45 +132,6 @@ TEST(SafeStep, IsConservativeAndNotTooMuch) {
   EXPECT_LT(too_short, blocked / 20);
 }
 
-TEST(BoxTree, MatchesBruteForceAlsoAfterRefit) {
-  std::mt19937 random(kSeed);
-  std::uniform_real_distribution<double> size(0, 0.2);
-  const auto random_boxes = [&](int n) {
-    std::vector<Box> boxes(n);
-    for (Box& b : boxes) {
-      const Vector3d p = random_point(random);
-      for (int k = 0; k < 3; ++k) b.low[k] = p[k], b.high[k] = p[k] + size(random);
-    }
-    return boxes;
-  };
-  for (int n : {0, 1, 3, 5, 100, 700}) {
-    std::vector<Box> a = random_boxes(n), b = random_boxes(n / 2 + 1);
-    BoxTree tree(a), other(b);
-    for (int round = 0; round < 2; ++round) {
-      std::vector<IndexPair> self, cross;
-      for (int i = 0; i < n; ++i) {
-        for (int j = i + 1; j < n; ++j)
-          if (a[i].overlaps(a[j])) self.push_back({i, j});
-        for (std::size_t j = 0; j < b.size(); ++j)
-          if (a[i].overlaps(b[j])) cross.push_back({i, static_cast<Index>(j)});
-      }
-      std::vector<IndexPair> first;
-      for (int threads : {1, 2, 8}) {
-        const ScopedThreads scope(threads);
-        auto found = tree.self_pairs(), mixed = tree.pairs_with(other);
-        if (threads == 1) first = found;
-        EXPECT_EQ(found, first);  // in the same order
-        std::sort(found.begin(), found.end());
-        std::sort(mixed.begin(), mixed.end());
-        EXPECT_EQ(found, self);
-        EXPECT_EQ(mixed, cross);
-      }
-      a = random_boxes(n);
-      tree.refit(a);
-    }
-  }
-}
-
 Eigen::VectorXd constant(const Surface& s, double h) { return Eigen::VectorXd::Constant(s.V.rows(), h); }
 
 TEST(ContactMesh, IntersectionsMatchBruteForce) {
