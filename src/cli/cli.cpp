@@ -83,6 +83,10 @@ int parse_and_run(int argc, char** argv) {
   inspect_app->add_option("INPUT", inspect.input, "Surface: .obj, .off, .ply or .stl")->required();
   inspect_app->add_flag("--json", inspect.json, "As JSON");
   inspect_app->add_flag("--pairs", inspect.pairs, "List the intersecting pairs of faces");
+  inspect_app->add_flag("--curves", inspect.curves,
+                        "With --json: every point of the curves, with its two places on the surface");
+  inspect_app->add_option("--save-curves", inspect.save_curves,
+                          "Write the curves in which the surface crosses itself: .vtp or .obj");
   add_common(*inspect_app, common);
 
   RepairCommand repair;

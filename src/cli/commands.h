@@ -28,8 +28,8 @@ struct MeshCommand {
 };
 
 struct InspectCommand {
-  std::string input;
-  bool json = false, pairs = false;
+  std::string input, save_curves;
+  bool json = false, pairs = false, curves = false;
 };
 
 struct RepairCommand {

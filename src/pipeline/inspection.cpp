@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <map>
 
 #include "kernels/predicates/predicates.h"
 
@@ -119,6 +120,28 @@ Result<Inspection> inspect(const Surface& surface, bool everything, const RunCon
   r.problem = refuse(r.diagnosis);
   if (r.problem && r.problem->code == ErrorCode::infeasible) r.witness = witness_of(surface, r.diagnosis);
   return r;
+}
+
+Result<CloseLook> look_closely(const Surface& surface, const Inspection& r, const RunContext& context) {
+  const Diagnosis& d = r.diagnosis;
+  const SurfaceTopology& topology = d.topology.topology;
+  CloseLook out;
+  std::map<Index, const std::vector<Index>*> piercing;
+  for (const PiercedEdge& e : d.pierced_edges) piercing[e.half_edge] = &e.faces;
+  for (const Hinge& hinge : d.hinges) {
+    if (auto stop = context.stop()) return *stop;
+    out.edges.emplace_back();
+    for (const Index h : half_edges_around(topology, hinge.vertex)) {
+      const auto at = piercing.find(std::min(h, topology.twin[h]));
+      out.edges.back().push_back({half_edge_target(surface.F, h),
+                                  edge_levels(surface, topology, *d.bvh, h,
+                                              at == piercing.end() ? std::vector<Index>{} : *at->second)});
+    }
+  }
+  Result<Curves> curves = trace_curves(surface, topology, *d.bvh, d.pairs, context);
+  if (!curves) return curves.error();
+  out.curves = std::move(curves).value();
+  return out;
 }
 
 InputRecord input_record(const Inspection& r) {

@@ -10,6 +10,7 @@
 #include "overtet/types.h"
 #include "src/pipeline/unit_box.h"
 #include "src/report/report.h"
+#include "src/surface/curves.h"
 #include "src/surface/diagnose.h"
 
 namespace overtet {
@@ -29,5 +30,21 @@ struct Inspection {
 Result<Inspection> inspect(const Surface& surface, bool everything, const RunContext& context);
 
 InputRecord input_record(const Inspection& inspection);
+
+// What nobody needs in order to mesh, but a person wants to see.
+struct EdgeAtHinge {
+  Index to = -1;  // the edge's other vertex
+  // The winding number on its outer side, from the hinge on, part by part between its crossings with other
+  // faces: what bounds the extra turns. None where the edge runs inside another face.
+  std::optional<std::vector<int>> levels;
+};
+struct CloseLook {
+  std::vector<std::vector<EdgeAtHinge>> edges;  // of each hinge of the diagnosis
+  Curves curves;
+};
+
+// pre: inspection.usable(). Errors: limit, interrupted.
+Result<CloseLook> look_closely(const Surface& surface, const Inspection& inspection,
+                               const RunContext& context);
 
 }  // namespace overtet

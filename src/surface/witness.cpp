@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "src/surface/exact.h"
+#include "src/surface/wedges.h"
 
 namespace overtet {
 
@@ -16,14 +16,7 @@ using exact::Rays;
 using exact::RayStatus;
 using exact::Vec;
 
-constexpr int kAttempts = 12;  // other directions or places when a ray grazes an edge
-
-// A ray into one of the wedges around a point of a curve, with what it counted.
-struct Wedge {
-  Vec start, direction;
-  std::vector<Index> skip;
-  int winding = 0;
-};
+constexpr int kAttempts = 12;  // other places when a ray grazes an edge
 
 // What one pair says about the winding number.
 struct PairFinding {
@@ -46,39 +39,9 @@ struct Cut {
   std::optional<Rational> exact;
 };
 
-// The faces that intersect each face, from the sorted pairs.
-class Partners {
- public:
-  explicit Partners(const std::vector<FacePair>& pairs) {
-    list_.reserve(2 * pairs.size());
-    for (const auto& [f, g] : pairs) list_.emplace_back(f, g), list_.emplace_back(g, f);
-    std::sort(list_.begin(), list_.end());
-  }
-  // Faces that intersect both f and g.
-  std::vector<Index> common(Index f, Index g) const {
-    std::vector<Index> out;
-    auto i = std::lower_bound(list_.begin(), list_.end(), FacePair(f, -1));
-    auto j = std::lower_bound(list_.begin(), list_.end(), FacePair(g, -1));
-    while (i != list_.end() && j != list_.end() && i->first == f && j->first == g) {
-      if (i->second == j->second) {
-        out.push_back(i->second);
-        ++i, ++j;
-      } else if (i->second < j->second) {
-        ++i;
-      } else {
-        ++j;
-      }
-    }
-    return out;
-  }
-
- private:
-  std::vector<FacePair> list_;
-};
-
 class PairStudy {
  public:
-  PairStudy(const Rays& rays, const Partners& partners) : rays_(rays), partners_(partners) {}
+  PairStudy(const Rays& rays, const Partners& partners) : rays_(rays), partners_(partners), wedges_(rays) {}
 
   PairFinding run(const FacePair& pair) const {
     PairFinding out;
@@ -94,7 +57,7 @@ class PairStudy {
       out.touches = true;
       return out;
     }
-    pieces(f, g, nf, ng, u, from, to, regular, out);
+    pieces(f, g, u, from, to, regular, out);
     return out;
   }
 
@@ -141,8 +104,8 @@ class PairStudy {
   }
 
   // Cuts the segment where third faces' planes cross it and looks at a point of every piece.
-  void pieces(Index f, Index g, const Vec& nf, const Vec& ng, const Vec& u, const Vec& from, const Vec& to,
-              bool regular, PairFinding& out) const {
+  void pieces(Index f, Index g, const Vec& u, const Vec& from, const Vec& to, bool regular,
+              PairFinding& out) const {
     const Vec along = to - from;
     const Point start(from), direction(along);
     const Point end(to);
@@ -214,7 +177,7 @@ class PairStudy {
     if (regular) {
       // One ray, on the lowest piece; the others follow from it.
       const int lowest = static_cast<int>(std::min_element(level.begin(), level.end()) - level.begin());
-      if (front_wedge(f, g, nf, ng, u, from, along, begins(lowest), ends(lowest), out)) {
+      if (front_wedge(f, g, u, from, along, begins(lowest), ends(lowest), out)) {
         out.max += *std::max_element(level.begin(), level.end()) - level[lowest];
         return;
       }
@@ -222,86 +185,19 @@ class PairStudy {
     for (int i = 0; i < n; ++i) all_wedges(u, Point(from + ((begins(i) + ends(i)) / 2) * along), out);
   }
 
-  static Rational inverse_length(const Vec& x) {
-    const auto a = exact::approximate(x);
-    const double big = std::max(std::max(std::fabs(a[0]), std::fabs(a[1])), std::fabs(a[2]));
-    return big > 1e-290 && big < 1e290 ? Rational(1 / big) : Rational(1);
+  bool front_wedge(Index f, Index g, const Vec& u, const Vec& from, const Vec& along, const Rational& t0,
+                   const Rational& t1, PairFinding& out) const {
+    const auto wedge = wedges_.in_front(f, g, u, from, along, t0, t1);
+    if (!wedge) return false;
+    if (!out.lowest || wedge->winding < out.lowest->winding) out.lowest = wedge;
+    out.add(wedge->winding, wedge->winding + 2);
+    return true;
   }
 
-  // The wedge in front of both faces; only the two contain the point.
-  bool front_wedge(Index f, Index g, const Vec& nf, const Vec& ng, const Vec& u, const Vec& from,
-                   const Vec& along, const Rational& t0, const Rational& t1, PairFinding& out) const {
-    std::vector<Index> skip{f, g};
-    const auto a = rays_.unit_normal(f), b = rays_.unit_normal(g);
-    for (int attempt = 0; attempt < kAttempts; ++attempt) {
-      const Rational part(1 + attempt % 5);
-      const Point m(from + ((part * t0 + t1) / (part + 1)) * along);
-      const double weight = 1 + 0.4 * exact::scatter(attempt);
-      const double sum[3] = {a[0] + weight * b[0], a[1] + weight * b[1], a[2] + weight * b[2]};
-      Point d(sum);
-      if (exact::sign(dot(nf, d.x)) <= 0 || exact::sign(dot(ng, d.x)) <= 0) {
-        // A wedge too thin for doubles: u x nf and ng x u span it.
-        const Vec p = exact::cross(u, nf), q = exact::cross(ng, u);
-        d = Point(Rational(weight) * (inverse_length(p) * p) + inverse_length(q) * q);
-      }
-      const RayCount ray = rays_.count(m, d, nullptr, skip);
-      if (ray.status == RayStatus::starts_on_surface) return false;
-      if (ray.status != RayStatus::counted) continue;
-      if (!out.lowest || ray.winding < out.lowest->winding) out.lowest = Wedge{m.x, d.x, skip, ray.winding};
-      out.add(ray.winding, ray.winding + 2);
-      return true;
-    }
-    return false;
-  }
-
-  // All wedges around a point of a line along u where faces meet in whatever way.
   void all_wedges(const Vec& u, const Point& m, PairFinding& out) const {
-    const std::vector<Index> at = rays_.faces_at(m);
-    if (at.empty()) return;
-    // Every face through m shows as one or two half-planes around u, or (with m on its edge across u) as
-    // less. All directions n x u and -(n x u) are taken as borders: too many wedges do no harm.
-    std::vector<Vec> borders;
-    for (const Index f : at) {
-      const Vec b = exact::cross(rays_.normal(f), u);
-      if (exact::is_zero(b)) continue;
-      const Vec scaled = inverse_length(b) * b;
-      borders.push_back(scaled);
-      borders.push_back(Rational(-1) * scaled);
-    }
-    if (borders.empty()) return;
-    const Vec first = borders[0], second = exact::cross(u, first);
-    const auto half = [&](const Vec& v) {
-      const int y = exact::sign(dot(second, v));
-      return y > 0 || (y == 0 && exact::sign(dot(first, v)) > 0) ? 0 : 1;
-    };
-    std::sort(borders.begin(), borders.end(), [&](const Vec& x, const Vec& y) {
-      const int hx = half(x), hy = half(y);
-      if (hx != hy) return hx < hy;
-      return exact::sign(exact::det(u, x, y)) > 0;
-    });
-    const Vec axis = inverse_length(u) * u;
-    for (std::size_t i = 0; i < borders.size(); ++i) {
-      const Vec &x = borders[i], &y = borders[(i + 1) % borders.size()];
-      // Every border comes with its opposite, so a wedge is half a turn at most.
-      const int turn = exact::sign(exact::det(u, x, y));
-      if (turn < 0 || (turn == 0 && exact::sign(dot(x, y)) > 0)) continue;  // equal borders
-      for (int attempt = 0; attempt < kAttempts; ++attempt) {
-        const double weight = 1 + 0.4 * exact::scatter(attempt);
-        Vec d = turn == 0 ? exact::cross(axis, x) + Rational(weight - 1) * x : x + Rational(weight) * y;
-        if (attempt > 0) d = d + Rational(0.3 * exact::scatter(attempt + 5)) * axis;
-        // Doubles where the wedge is wide enough for them: short numbers are fast.
-        const auto near = exact::approximate(d);
-        const Vec rounded = exact::vec(near.data());
-        const bool inside = turn == 0 ? exact::sign(exact::det(u, x, rounded)) > 0
-                                      : exact::sign(exact::det(u, x, rounded)) > 0 &&
-                                            exact::sign(exact::det(u, rounded, y)) > 0;
-        if (inside) d = rounded;
-        const RayCount ray = rays_.count(m, Point(d), nullptr, at);
-        if (ray.status != RayStatus::counted) continue;
-        if (!out.lowest || ray.winding < out.lowest->winding) out.lowest = Wedge{m.x, d, at, ray.winding};
-        out.add(ray.winding, ray.winding);
-        break;
-      }
+    for (const Wedge& wedge : wedges_.around(u, m)) {
+      if (!out.lowest || wedge.winding < out.lowest->winding) out.lowest = wedge;
+      out.add(wedge.winding, wedge.winding);
     }
   }
 
@@ -363,6 +259,7 @@ class PairStudy {
 
   const Rays& rays_;
   const Partners& partners_;
+  const Wedges wedges_;
 };
 
 // The point half-way from the wedge's corner to the next crossing, or a little way when there is none.
