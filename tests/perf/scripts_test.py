@@ -1,0 +1,111 @@
+"""usage: scripts_test.py PROGRAM SOURCE_FOLDER"""
+import csv
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+
+PROGRAM, SOURCE = sys.argv[1], sys.argv[2]
+
+
+def script(*arguments):
+    return subprocess.run([sys.executable, "-B", *arguments], capture_output=True, text=True, timeout=100, check=False)
+
+
+class Scripts(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.models = os.path.join(cls.folder.name, "models")
+        os.mkdir(cls.models)
+        cls.worm = os.path.join(cls.models, "worm.off")
+        made = script(os.path.join(SOURCE, "scripts/make_sample"), cls.worm, "420", "8")
+        assert made.returncode == 0, made.stderr
+        with open(os.path.join(cls.models, "broken.off"), "w", encoding="utf-8") as file:
+            file.write("OFF\n3 1 0\n0 0 0\n")
+        cls.result = os.path.join(cls.folder.name, "result")
+        cls.suite = script(os.path.join(SOURCE, "perf/suite/suite"), "--program", PROGRAM, "--threads", "1,2", "--repeat",
+                           "2", "--output", cls.result, cls.models, "--", "--improve", "10")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def test_suite_writes_all_runs(self):
+        self.assertEqual(self.suite.returncode, 0, self.suite.stdout + self.suite.stderr)
+        self.assertIn("1 of 2 solved", self.suite.stdout)
+        with open(self.result + ".json", encoding="utf-8") as file:
+            data = json.load(file)
+        for key in ("cpu", "cores", "memory_bytes", "compiler", "build_type", "commit", "date"):
+            self.assertIn(key, data["machine"])
+        self.assertEqual(len(data["runs"]), 8)
+        worm = [r for r in data["runs"] if r["model"] == "worm"]
+        for run in worm:
+            self.assertEqual(run["exit_code"], 0)
+            self.assertEqual(run["status"], "exact")
+            self.assertGreater(run["wall_seconds"], 0)
+            self.assertGreater(run["cpu_seconds"], 0)
+            self.assertGreater(run["peak_rss_bytes"], 1 << 20)
+            self.assertGreater(run["bytes_written"], 1000)
+            self.assertEqual(run["report"]["options"]["improve"], 10)
+        self.assertEqual(len({r["report"]["result_hash"] for r in worm}), 1)
+        self.assertEqual({r["exit_code"] for r in data["runs"] if r["model"] == "broken"}, {3})
+        with open(self.result + ".csv", encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(len(rows), 8)
+        self.assertGreater(float(next(r for r in rows if r["model"] == "worm")["verify.seconds"]), 0)
+
+    def test_suite_notices_a_program_that_hangs(self):
+        slow = os.path.join(self.folder.name, "slow")
+        with open(slow, "w", encoding="utf-8") as file:
+            file.write("#!/bin/sh\nsleep 60\n")
+        os.chmod(slow, 0o755)
+        done = script(os.path.join(SOURCE, "perf/suite/suite"), "--program", slow, "--time-limit", "0.2",
+                      "--grace", "0.2", self.worm)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("killed", done.stdout)
+
+    def test_compare_lays_results_side_by_side(self):
+        done = script(os.path.join(SOURCE, "perf/compare/compare"), self.result + ".json", self.result + ".json", "--key",
+                      "tets")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("wall_seconds: B / A median 1.000 [1.000, 1.000]", done.stdout)
+        self.assertNotIn("other result", done.stdout)
+
+    def test_compare_runs_two_programs_in_turns(self):
+        done = script(os.path.join(SOURCE, "perf/compare/compare"), "--programs", PROGRAM, PROGRAM, "--rounds", "2",
+                      "--output", os.path.join(self.folder.name, "turns"), self.worm)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        for letter in "ab":
+            with open(os.path.join(self.folder.name, f"turns_{letter}.json"), encoding="utf-8") as file:
+                self.assertEqual(len(json.load(file)["runs"]), 2)
+
+    def test_compare_says_what_fails_only_in_b(self):
+        bad = os.path.join(self.folder.name, "bad")
+        with open(bad, "w", encoding="utf-8") as file:
+            file.write("#!/bin/sh\nexit 4\n")
+        os.chmod(bad, 0o755)
+        done = script(os.path.join(SOURCE, "perf/compare/compare"), "--programs", PROGRAM, bad, "--rounds", "1", self.worm)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("PROBLEM worm", done.stdout)
+
+    def test_wrong_usage(self):
+        for arguments in (["perf/suite/suite", "--program", PROGRAM, "no_such_file.off"],
+                          ["perf/compare/compare", "no_such_file.json", "no_such_file.json"],
+                          ["scripts/profile", "--program", PROGRAM, "no_such_file.off"]):
+            self.assertEqual(script(os.path.join(SOURCE, arguments[0]), *arguments[1:]).returncode, 2, arguments)
+
+    def test_profile_names_rooms(self):
+        done = script(os.path.join(SOURCE, "scripts/profile"), "--program", PROGRAM, self.worm)
+        if done.returncode == 1:  # neither sampling nor valgrind here: said in one sentence
+            self.assertNotIn("Traceback", done.stderr)
+            return
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("Rooms", done.stdout)
+        self.assertIn("src/", done.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
