@@ -375,9 +375,7 @@ Status run_repairing(const Surface& surface, const PipelineOptions& options, con
   const std::optional<WitnessRecord> witness = report.witness;
   RepairOptions repairs;
   for (int round = 0; round < kRepairs && !done && repairable(done.error()); ++round) {
-    if (unglued) repairs.places.push_back(*unglued);
-    // Nothing that a repair could know more about than the one before.
-    if (round > 0 && !unglued) break;
+    repairs.place = unglued;
     Result<RepairResult> fixed =
         timed_stage("repair", report.stages, context, [&](StageRecord& record) -> Result<RepairResult> {
           Result<RepairResult> r = repair(surface, repairs, context);
@@ -385,6 +383,8 @@ Status run_repairing(const Surface& surface, const PipelineOptions& options, con
           record.iterations = static_cast<std::int64_t>(r.value().rounds.size());
           record.figures = {{"moved", static_cast<std::int64_t>(r.value().moved.size())},
                             {"max_relative", r.value().max_relative},
+                            {"mean_relative", r.value().mean_relative},
+                            {"turned_parts", std::int64_t{r.value().turned_parts}},
                             {"shrink_rounds", std::int64_t{r.value().shrink_rounds}},
                             {"termination", r.value().termination}};
           return r;
@@ -399,6 +399,7 @@ Status run_repairing(const Surface& surface, const PipelineOptions& options, con
       return first;
     }
     if (fixed.value().moved.empty()) break;
+    repairs.earlier = fixed.value().memory;
     Run run(fixed.value().surface, true, options, context, result);
     done = run.go();
     unglued = run.unglued();

@@ -1,44 +1,92 @@
 #include "src/repair/repair.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "src/repair/smoothing.h"
+#include "src/repair/turning.h"
 #include "src/surface/winding.h"
 
 namespace overtet {
 
+struct RepairMemory {
+  VertexMatrix base;
+  std::vector<int> level;
+  std::vector<char> pinned;   // vertices whose clusters are not to be moved less
+  std::vector<Index> hinges;  // of the surface that was handed out
+};
+
 namespace {
 
-// How a vertex that forbids a mesh is moved: with so many rings around it, so much of the way.
-enum class Kind { membrane, plate, mirror };
+// How a vertex that forbids a mesh is moved: with so many rings around it, so much of the way; wide: as far
+// as moves are allowed at all.
 struct Step {
   int rings;
   double part;
-  Kind kind;
+  Smoothing kind;
+  bool wide;
 };
 
-// mirror: what pokes out, inside out, is turned right side out by reflecting it at its own middle plane
-// across its thinnest direction; `part` is how thick it is afterwards, 1 being as thick as before.
+constexpr Smoothing kMembrane = Smoothing::membrane, kPlate = Smoothing::thin_plate;
 constexpr Step kLadder[] = {
-    {0, 0.1, Kind::membrane}, {0, 0.3, Kind::membrane}, {0, 0.6, Kind::membrane},  {1, 0.3, Kind::membrane},
-    {0, 0.9, Kind::membrane}, {1, 0.6, Kind::membrane}, {2, 0.6, Kind::membrane},  {1, 0.9, Kind::membrane},
-    {2, 0.9, Kind::membrane}, {1, 1.0, Kind::plate},    {1, 1.0, Kind::membrane},  {2, 1.0, Kind::plate},
-    {2, 0.2, Kind::mirror},   {3, 0.7, Kind::mirror},   {3, 0.95, Kind::membrane}, {3, 1.0, Kind::plate},
-    {3, 1.0, Kind::membrane}, {5, 0.7, Kind::mirror},   {5, 0.95, Kind::membrane}, {5, 1.0, Kind::plate},
-    {5, 1.0, Kind::membrane}, {8, 0.7, Kind::mirror},   {8, 1.0, Kind::plate},     {8, 1.0, Kind::membrane},
-    {12, 1.0, Kind::plate},   {12, 1.0, Kind::membrane}, {18, 1.0, Kind::plate},   {18, 1.0, Kind::membrane},
-    {27, 1.0, Kind::membrane}};
+    // Gently.
+    {0, 0.1, kMembrane, false},
+    {0, 0.3, kMembrane, false},
+    {0, 0.6, kMembrane, false},
+    {1, 0.3, kMembrane, false},
+    {0, 0.9, kMembrane, false},
+    {1, 0.6, kMembrane, false},
+    {2, 0.6, kMembrane, false},
+    {1, 0.9, kMembrane, false},
+    {2, 0.9, kMembrane, false},
+    {1, 1.0, kPlate, false},
+    {1, 1.0, kMembrane, false},
+    {2, 1.0, kPlate, false},
+    {3, 0.95, kMembrane, false},
+    {3, 1.0, kPlate, false},
+    // As far as it takes.
+    {0, 0.6, kMembrane, true},
+    {0, 0.9, kMembrane, true},
+    {1, 0.6, kMembrane, true},
+    {1, 0.9, kMembrane, true},
+    {2, 0.9, kMembrane, true},
+    {1, 1.0, kPlate, true},
+    {1, 1.0, kMembrane, true},
+    {2, 1.0, kPlate, true},
+    {3, 0.95, kMembrane, true},
+    {3, 1.0, kPlate, true},
+    {3, 1.0, kMembrane, true},
+    {5, 0.95, kMembrane, true},
+    {5, 1.0, kPlate, true},
+    {5, 1.0, kMembrane, true},
+    {8, 1.0, kPlate, true},
+    {8, 1.0, kMembrane, true},
+    {12, 1.0, kPlate, true},
+    {12, 1.0, kMembrane, true},
+    {18, 1.0, kPlate, true},
+    {18, 1.0, kMembrane, true},
+    {27, 1.0, kMembrane, true},
+    // Creases: less than two rings leaves needles that no mesh generator takes.
+    {2, 1.0, kMembrane, true},
+    {3, 1.0, kMembrane, true},
+    {4, 1.0, kMembrane, true},
+    {6, 1.0, kMembrane, true},
+    {9, 1.0, kMembrane, true},
+    {14, 1.0, kMembrane, true}};
 constexpr int kLevels = static_cast<int>(std::size(kLadder));
-constexpr std::size_t kWorthMirroring = 6;  // vertices
+constexpr int kCreaseLevel = kLevels - 6;
 
-// Where nearly everything crosses nearly everything (offences per vertex) the crease is smoothed out at once:
-// a little less of it would still be out of reach for a mesh.
+// Creases in which nearly everything crosses nearly everything (offences per vertex) are smoothed as a
+// whole, with all faces that cross so many others of the same crease.
 constexpr double kDense = 8;
-constexpr int kDenseLevel = 18;
+constexpr int kCreasePartners = 4;
+
+constexpr int kTurnAngles = 8;  // directions tried for turning a part, over half a turn
+constexpr double kThickness[] = {0.2, 0.1, 0.3, 0.05,
+                                 0.5};  // and how thick it is afterwards, the first for choosing
+constexpr int kMostTurns = 6;
 
 constexpr double kFlatFace = 1e-14;  // height over reach below which a face counts as one without area
 constexpr std::size_t kFlood = 200000;
@@ -65,12 +113,16 @@ class Repair {
  private:
   Status look(bool floods);
   Offence flooded(const Offence& seed) const;
+  Status turn_parts();
+  Offence crease_around(const Offence& seed) const;
   void assign();
+  void go_on();
   void place();
-  bool mirror(Cluster& c, const Step& step) const;
   void compose();
   Status shrink();
   bool within(const Cluster& c, const Offence& o, int rings);
+  bool pinned(const Cluster& c) const;
+  void rise(Index v, int steps);
   void record();
 
   const Surface& input_;
@@ -78,14 +130,15 @@ class Repair {
   const RunContext& context_;
   std::vector<char> scratch_;
   std::optional<VertexRings> rings_;
-  double diagonal_ = 0;
+  double diagonal_ = 0, gentle_ = 0;
 
+  VertexMatrix base_;  // the input with its inside-out parts turned: what smoothing starts from
   Surface now_;
   Diagnosis diagnosis_;
   std::vector<Offence> offences_;
-  bool hopeless_ = false;  // a component that faces inwards with nothing around it
+  bool hopeless_ = false;   // a component that faces inwards with nothing around it
   std::vector<int> level_;  // of each vertex that forbids a mesh; -1 for the others
-  std::vector<char> poking_;  // vertices of the input in front of which the winding number is negative
+  std::vector<char> pinned_;
   bool exhausted_ = false;
   std::vector<Cluster> clusters_;
   RepairResult out_;
@@ -99,8 +152,8 @@ std::vector<Index> flat_faces(const Surface& s) {
     const Eigen::Vector3d a = s.V.row(s.F(f, 0)), b = s.V.row(s.F(f, 1)), c = s.V.row(s.F(f, 2));
     const double longest =
         std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
-    const double reach = std::max(
-        {a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff(), offset});
+    const double reach =
+        std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff(), offset});
     if ((b - a).cross(c - a).norm() <= kFlatFace * reach * longest) flat.push_back(f);
   }
   return flat;
@@ -143,9 +196,7 @@ Status Repair::look(bool floods) {
   if (auto stop = context_.stop()) return *stop;
   offences_.clear();
   hopeless_ = false;
-  const auto corners = [&](Index f) {
-    return Offence{now_.F(f, 0), now_.F(f, 1), now_.F(f, 2)};
-  };
+  const auto corners = [&](Index f) { return Offence{now_.F(f, 0), now_.F(f, 1), now_.F(f, 2)}; };
   for (const Index f : flat_faces(now_)) offences_.push_back(corners(f));
   DiagnoseOptions options;
   RunContext silent = context_;
@@ -177,10 +228,6 @@ Status Repair::look(bool floods) {
     const std::size_t known = all.size();
     all = flooded(all);
     for (std::size_t i = known; i < all.size(); ++i) offences_.push_back({all[i]});
-    if (poking_.empty()) {
-      poking_.assign(now_.V.rows(), 0);
-      for (std::size_t i = known; i < all.size(); ++i) poking_[all[i]] = 1;
-    }
   }
   for (const Hinge& h : diagnosis_.hinges)
     if (h.B0 && *h.B0 < 0) offences_.push_back({h.vertex});
@@ -205,6 +252,103 @@ bool sorted_share(const std::vector<Index>& a, const std::vector<Index>& b) {
 
 bool Repair::within(const Cluster& c, const Offence& o, int rings) {
   return sorted_share(rings_->grown(c.region, rings, scratch_), o);
+}
+
+// Turns parts that are inside out as a whole, as long as that leaves much less to object to.
+Status Repair::turn_parts() {
+  double work = 0;
+  const double limit = options_.max_relative_move * diagonal_ * (1 - 1e-9);
+  const auto weigh = [&]() -> Status {
+    ++out_.turn_rounds;
+    if (Status s = look(false); !s) return s;
+    work += static_cast<double>(diagnosis_.pairs.size()) + 0.01 * static_cast<double>(now_.F.rows());
+    return success();
+  };
+  for (int turns = 0; turns < kMostTurns && diagnosis_.winding.negative_pairs > 0; ++turns) {
+    const std::vector<InsideOutPart> parts = inside_out_parts(now_, diagnosis_, context_);
+    if (auto stop = context_.stop()) return *stop;
+    const VertexMatrix before = now_.V;
+    std::size_t least = (offences_.size() + 1) / 2;
+    std::optional<Turn> best;
+    double farthest = 0;
+    const InsideOutPart* best_part = nullptr;
+    double best_angle = 0;
+    const auto attempt = [&](const InsideOutPart& part, double angle, double thickness) -> Status {
+      if (work > options_.turn_work || (best && least == 0)) return success();
+      now_.V = before;
+      Turn turn = turned(now_, part, angle, thickness, gentle_);
+      if (turn.vertices.empty()) return success();
+      double far = 0;
+      for (std::size_t i = 0; i < turn.vertices.size(); ++i) {
+        const auto k = static_cast<Eigen::Index>(i);
+        far = std::max(far, (turn.to.row(k) - input_.V.row(turn.vertices[i])).norm());
+        now_.V.row(turn.vertices[i]) = turn.to.row(k);
+      }
+      if (far > limit) return success();
+      if (Status s = weigh(); !s) return s;
+      if (offences_.size() > least || (offences_.size() == least && (!best || far >= farthest)))
+        return success();
+      least = offences_.size(), farthest = far;
+      best = std::move(turn), best_part = &part, best_angle = angle;
+      return success();
+    };
+    for (const InsideOutPart& part : parts)
+      for (int a = 0; a < kTurnAngles; ++a)
+        if (Status s = attempt(part, M_PI * a / kTurnAngles, kThickness[0]); !s) return s;
+    if (best)
+      for (std::size_t k = 1; k < std::size(kThickness); ++k)
+        if (Status s = attempt(*best_part, best_angle, kThickness[k]); !s) return s;
+    now_.V = before;
+    if (!best) break;
+    for (std::size_t i = 0; i < best->vertices.size(); ++i)
+      now_.V.row(best->vertices[i]) = best->to.row(static_cast<Eigen::Index>(i));
+    ++out_.turned_parts;
+    if (Status s = look(false); !s) return s;
+  }
+  base_ = now_.V;
+  return success();
+}
+
+// The crease that the seeds are in: all faces joined to them that cross several others of the same crease.
+Offence Repair::crease_around(const Offence& seed) const {
+  const Index n = static_cast<Index>(now_.F.rows());
+  // Faces that cross others, joined where they share an edge: along a plain curve such a strip crosses
+  // another strip, in a crease it crosses itself.
+  std::vector<char> crosses(static_cast<std::size_t>(n), 0);
+  for (const auto& [f, g] : diagnosis_.pairs) crosses[f] = crosses[g] = 1;
+  std::vector<Index> parent(static_cast<std::size_t>(n));
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](Index i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  const std::vector<Index>& twin = diagnosis_.topology.topology.twin;
+  for (Index h = 0; h < 3 * n; ++h) {
+    const Index f = half_edge_face(h), g = half_edge_face(twin[h]);
+    if (crosses[f] && crosses[g]) parent[root(f)] = root(g);
+  }
+  std::vector<int> partners(static_cast<std::size_t>(n), 0);
+  for (const auto& [f, g] : diagnosis_.pairs)
+    if (root(f) == root(g)) ++partners[f], ++partners[g];
+  std::vector<char> wanted(static_cast<std::size_t>(n), 0);
+  std::vector<char> here(static_cast<std::size_t>(now_.V.rows()), 0);
+  for (const Index v : seed) here[v] = 1;
+  for (Index f = 0; f < n; ++f)
+    if (crosses[f] && (here[now_.F(f, 0)] || here[now_.F(f, 1)] || here[now_.F(f, 2)])) wanted[root(f)] = 1;
+  Offence all = seed;
+  for (Index f = 0; f < n; ++f)
+    if (partners[f] >= kCreasePartners && wanted[root(f)])
+      for (int k = 0; k < 3; ++k) all.push_back(now_.F(f, k));
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
+// Up the ladder that the vertex is on.
+void Repair::rise(Index v, int steps) {
+  const int last = (level_[v] < kCreaseLevel ? kCreaseLevel : kLevels) - 1;
+  if (level_[v] + steps > last) exhausted_ = true;
+  level_[v] = std::min(level_[v] + steps, last);
 }
 
 // The vertices of every group of offences, and those of earlier ones next to it, go one step up the ladder.
@@ -243,21 +387,70 @@ void Repair::assign() {
     int level = -1;
     for (const Index v : rings_->grown(g, 1, scratch_)) {
       if (before[v] < 0) continue;
-      level_[v] = before[v] + 1;
+      level_[v] = before[v];
+      rise(v, 1);
       level = std::max(level, level_[v]);
     }
     // None next to it: whatever moved it there goes on.
     if (level < 0)
       for (const Cluster& c : clusters_)
-        if (sorted_share(c.region, g)) level = std::max(level, c.level + 1);
-    const bool dense = level < 0 && static_cast<double>(members[group]) > kDense * static_cast<double>(g.size());
-    for (const Index v : g) level_[v] = std::max({level_[v], level, dense ? kDenseLevel : 0});
-  }
-  for (int& l : level_)
-    if (l >= kLevels) {
-      exhausted_ = true;
-      l = kLevels - 1;
+        if (sorted_share(c.region, g)) {
+          if (c.level + 1 == kCreaseLevel || c.level + 1 == kLevels) exhausted_ = true;
+          level = std::max(level, exhausted_ ? c.level : c.level + 1);
+        }
+    if (level < 0 && static_cast<double>(members[group]) > kDense * static_cast<double>(g.size())) {
+      level = kCreaseLevel;
+      g = crease_around(g);
     }
+    for (const Index v : g) level_[v] = std::max({level_[v], level, 0});
+  }
+}
+
+// After a surface of which no mesh was found.
+void Repair::go_on() {
+  place();
+  if (!options_.place) {
+    for (Index v = 0; v < static_cast<Index>(level_.size()); ++v)
+      if (level_[v] >= 0) rise(v, 1), pinned_[v] = 1;
+    return;
+  }
+  // The hinges nearest to the place, else the nearest vertex.
+  const Eigen::RowVector3d p = options_.place->transpose();
+  std::vector<std::pair<double, Index>> near;
+  if (options_.earlier)
+    for (const Index v : options_.earlier->hinges) near.emplace_back((now_.V.row(v) - p).norm(), v);
+  else
+    for (const Hinge& h : diagnosis_.hinges) near.emplace_back((now_.V.row(h.vertex) - p).norm(), h.vertex);
+  std::sort(near.begin(), near.end());
+  Offence seeds;
+  for (const auto& [d, v] : near)
+    if (d <= 2 * near[0].first + 1e-12 * diagonal_ && d < 0.05 * diagonal_) seeds.push_back(v);
+  if (seeds.empty()) {
+    Index nearest = 0;
+    (now_.V.rowwise() - p).rowwise().squaredNorm().minCoeff(&nearest);
+    seeds.push_back(nearest);
+  }
+  std::sort(seeds.begin(), seeds.end());
+  const std::vector<Index> around = rings_->grown(seeds, 1, scratch_);
+  // A crease goes as a whole.
+  for (const Cluster& c : clusters_)
+    if (c.level >= kCreaseLevel && sorted_share(c.region, around)) {
+      for (const Index v : c.region)
+        if (level_[v] >= kCreaseLevel) rise(v, 1), pinned_[v] = 1;
+      return;
+    }
+  int level = -1;
+  for (const Index v : around)
+    if (level_[v] >= 0) {
+      rise(v, 2), pinned_[v] = 1;
+      level = std::max(level, level_[v]);
+    }
+  for (const Index v : seeds) level_[v] = std::max({level_[v], level, 1}), pinned_[v] = 1;
+}
+
+bool Repair::pinned(const Cluster& c) const {
+  return c.level >= kCreaseLevel ||
+         std::any_of(c.region.begin(), c.region.end(), [&](Index v) { return pinned_[v] != 0; });
 }
 
 // What moves, and where to.
@@ -271,8 +464,7 @@ void Repair::place() {
       if (level_[v] == l) seeds.push_back(static_cast<Index>(v));
     if (seeds.empty()) continue;
     for (const Index v : rings_->grown(seeds, kLadder[l].rings, scratch_)) {
-      const float p = kLadder[l].kind == Kind::mirror ? 1 : static_cast<float>(kLadder[l].part);
-      part[v] = std::max(part[v], p);
+      part[v] = std::max(part[v], static_cast<float>(kLadder[l].part));
       level[v] = l;
     }
   }
@@ -290,66 +482,25 @@ void Repair::place() {
     std::sort(c.region.begin(), c.region.end());
     for (const Index v : c.region) c.level = std::max(c.level, level[v]);
     const Step& step = kLadder[c.level];
-    if (step.kind != Kind::mirror || !mirror(c, step)) {
-      std::vector<float> parts;
-      for (const Index v : c.region) parts.push_back(part[v]);
-      c.to = smoothed(input_.V, input_.V, *rings_, c.region,
-                      step.kind == Kind::membrane ? Smoothing::membrane : Smoothing::thin_plate, parts);
-      if (c.to.rows() == 0) continue;
-    }
+    std::vector<float> parts;
+    for (const Index v : c.region) parts.push_back(part[v]);
+    c.to = smoothed(base_, base_, *rings_, c.region, step.kind, parts);
+    if (c.to.rows() == 0) continue;
     for (std::size_t i = 0; i < c.region.size(); ++i) {
       const auto k = static_cast<Eigen::Index>(i);
-      const Eigen::RowVector3d from = input_.V.row(c.region[i]), move = c.to.row(k) - from;
-      if (const double length = move.norm(); length > limit) c.to.row(k) = from + limit / length * move;
+      const Index v = c.region[i];
+      const Eigen::RowVector3d from = input_.V.row(v), move = c.to.row(k) - from;
+      const double most =
+          step.wide ? limit : std::min(limit, std::max(gentle_, (base_.row(v) - from).norm()));
+      if (const double length = move.norm(); length > most) c.to.row(k) = from + most / length * move;
     }
     clusters_.push_back(std::move(c));
   }
 }
 
-// Reflects what pokes out in a cluster; the rest of the cluster follows smoothly.
-bool Repair::mirror(Cluster& c, const Step& step) const {
-  std::vector<Index> out;
-  if (poking_.empty()) return false;
-  for (const Index v : c.region)
-    if (poking_[v]) out.push_back(v);
-  if (out.size() < kWorthMirroring) return false;
-  Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();
-  for (const Index v : out) centre += input_.V.row(v) / static_cast<double>(out.size());
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (const Index v : out)
-    spread += (input_.V.row(v) - centre).transpose() * (input_.V.row(v) - centre);
-  // Of the two thinner directions the one that the surface faces: a flat patch is not turned over in its plane.
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
-  const Eigen::RowVector3d across = axes.eigenvectors().col(0).transpose();
-  double low = 1e300, high = -1e300;
-  for (const Index v : out) {
-    const double x = (input_.V.row(v) - centre).dot(across);
-    low = std::min(low, x), high = std::max(high, x);
-  }
-  const double middle = (low + high) / 2;
-  // As thick as the allowed move permits.
-  const double room = 0.98 * options_.max_relative_move * diagonal_ / std::max((high - low) / 2, 1e-300);
-  const double part = std::min(step.part, room - 1);
-  if (!(part > 0.02)) return false;
-  VertexMatrix moves = VertexMatrix::Zero(input_.V.rows(), 3);
-  for (const Index v : out)
-    moves.row(v) = -(1 + part) * ((input_.V.row(v) - centre).dot(across) - middle) * across;
-  std::vector<Index> rest;
-  std::set_difference(c.region.begin(), c.region.end(), out.begin(), out.end(), std::back_inserter(rest));
-  if (!rest.empty()) {
-    const VertexMatrix follow = smoothed(input_.V, moves, *rings_, rest, Smoothing::membrane);
-    if (follow.rows() == 0) return false;
-    for (std::size_t i = 0; i < rest.size(); ++i) moves.row(rest[i]) = follow.row(static_cast<Eigen::Index>(i));
-  }
-  c.to.resize(static_cast<Eigen::Index>(c.region.size()), 3);
-  for (std::size_t i = 0; i < c.region.size(); ++i)
-    c.to.row(static_cast<Eigen::Index>(i)) = input_.V.row(c.region[i]) + moves.row(c.region[i]);
-  return true;
-}
-
 // The surface with all clusters' moves.
 void Repair::compose() {
-  now_.V = input_.V;
+  now_.V = base_;
   for (const Cluster& c : clusters_)
     for (std::size_t i = 0; i < c.region.size(); ++i) {
       const Index v = c.region[i];
@@ -357,18 +508,21 @@ void Repair::compose() {
       if (c.part == 1)
         now_.V.row(v) = c.to.row(static_cast<Eigen::Index>(i));
       else
-        now_.V.row(v) += c.part * (c.to.row(static_cast<Eigen::Index>(i)) - input_.V.row(v));
+        now_.V.row(v) += c.part * (c.to.row(static_cast<Eigen::Index>(i)) - base_.row(v));
     }
 }
 
 void Repair::record() {
   out_.moved.clear();
-  out_.max_relative = 0;
+  out_.max_relative = out_.mean_relative = 0;
   for (Index v = 0; v < now_.V.rows(); ++v) {
     if (now_.V.row(v) == input_.V.row(v)) continue;
     out_.moved.push_back(v);
-    out_.max_relative = std::max(out_.max_relative, (now_.V.row(v) - input_.V.row(v)).norm() / diagonal_);
+    const double move = (now_.V.row(v) - input_.V.row(v)).norm() / diagonal_;
+    out_.max_relative = std::max(out_.max_relative, move);
+    out_.mean_relative += move;
   }
+  if (!out_.moved.empty()) out_.mean_relative /= static_cast<double>(out_.moved.size());
 }
 
 // Moves less, as long as nothing objects: first every cluster less far, then fewer vertices. What is tried
@@ -398,7 +552,7 @@ Status Repair::shrink() {
   std::vector<char> bad;
   std::vector<double> low(clusters_.size(), 0), high(clusters_.size(), 1);
   for (std::size_t c = 0; c < clusters_.size(); ++c)
-    if (clusters_[c].level >= kDenseLevel) low[c] = 1;  // feasible is not enough there; see kDense
+    if (pinned(clusters_[c])) low[c] = 1;  // being feasible is not enough there
   for (int i = 0; i < 4 && work_left(); ++i) {
     for (std::size_t c = 0; c < clusters_.size(); ++c) clusters_[c].part = (low[c] + high[c]) / 2;
     if (Status s = judge(bad); !s) return s;
@@ -421,9 +575,10 @@ Status Repair::shrink() {
   std::vector<Trial> trials(clusters_.size());
   for (std::size_t c = 0; c < clusters_.size(); ++c) {
     const Cluster& x = clusters_[c];
+    if (pinned(x)) continue;
     std::vector<std::pair<double, Index>> order;
     for (std::size_t i = 0; i < x.region.size(); ++i)
-      order.emplace_back((x.to.row(static_cast<Eigen::Index>(i)) - input_.V.row(x.region[i])).norm(),
+      order.emplace_back((x.to.row(static_cast<Eigen::Index>(i)) - base_.row(x.region[i])).norm(),
                          x.region[i]);
     std::sort(order.begin(), order.end());
     for (const auto& [length, v] : order) trials[c].order.push_back(v);
@@ -473,8 +628,32 @@ Result<RepairResult> Repair::run() {
   if (Result<SurfaceTopology> t = require_topology(input_); !t) return t.error();
   rings_.emplace(static_cast<Index>(input_.V.rows()), input_.F);
   diagonal_ = (input_.V.colwise().maxCoeff() - input_.V.colwise().minCoeff()).norm();
+  double edges = 0;
+  for (Index f = 0; f < input_.F.rows(); ++f)
+    edges += (input_.V.row(input_.F(f, 0)) - input_.V.row(input_.F(f, 1))).norm();
+  gentle_ = std::min(options_.max_relative_move * diagonal_ * (1 - 1e-9),
+                     std::max(options_.gentle_relative_move * diagonal_ * (1 - 1e-9),
+                              edges / static_cast<double>(input_.F.rows())));
+  base_ = input_.V;
   level_.assign(input_.V.rows(), -1);
-  if (Status s = look(true); !s) return s.error();
+  pinned_.assign(input_.V.rows(), 0);
+  const bool asked = options_.earlier || options_.place;
+  if (options_.earlier) {
+    if (options_.earlier->base.rows() != input_.V.rows())
+      return Error{ErrorCode::usage, "The earlier repair was one of another surface."};
+    base_ = options_.earlier->base;
+    level_ = options_.earlier->level;
+    pinned_ = options_.earlier->pinned;
+    now_.V = base_;
+  } else if (asked) {
+    if (Status s = look(false); !s) return s.error();
+  }
+  if (asked) {
+    go_on();
+    place();
+    compose();
+  }
+  if (Status s = look(!asked); !s) return s.error();
   const auto add_round = [&] {
     record();
     RepairRound r;
@@ -491,59 +670,58 @@ Result<RepairResult> Repair::run() {
     out_.rounds.push_back(std::move(r));
   };
   add_round();
-  if (!options_.places.empty()) {
-    // The hinges nearest to each place, else the nearest vertex.
-    for (const Eigen::Vector3d& p : options_.places) {
-      std::vector<std::pair<double, Index>> near;
-      for (const Hinge& h : diagnosis_.hinges)
-        near.emplace_back((input_.V.row(h.vertex).transpose() - p).norm(), h.vertex);
-      std::sort(near.begin(), near.end());
-      Offence seeds;
-      for (const auto& [d, v] : near)
-        if (d <= 2 * near[0].first + 1e-12 * diagonal_ && d < 0.05 * diagonal_) seeds.push_back(v);
-      if (seeds.empty()) {
-        Index nearest = 0;
-        (input_.V.rowwise() - p.transpose()).rowwise().squaredNorm().minCoeff(&nearest);
-        seeds.push_back(nearest);
-      }
-      int level = 0;
-      for (const Index v : rings_->grown(seeds, 1, scratch_)) level = std::max(level, level_[v] + 2);
-      for (const Index v : seeds) level_[v] = std::max(level, 1);
-    }
-  }
   const auto inside_out = [&] {
     return Error{ErrorCode::infeasible,
                  diagnosis_.message + " Moving vertices a little does not help: a component faces inwards."};
   };
   if (hopeless_) return inside_out();
-  const bool asked = !options_.places.empty();
   if (!asked && offences_.empty()) {
     out_.surface = now_;
     out_.diagnosis = std::move(diagnosis_);
     out_.termination = "nothing to repair";
     return std::move(out_);
   }
-  while (!offences_.empty() || (asked && out_.rounds.size() == 1)) {
-    if (static_cast<int>(out_.rounds.size()) > options_.max_rounds) break;
-    assign();
-    if (exhausted_) break;
-    place();
+  const auto climb = [&]() -> Status {
+    exhausted_ = false;
+    for (int round = 0; !offences_.empty() && round < options_.max_rounds; ++round) {
+      assign();
+      if (exhausted_) break;
+      place();
+      compose();
+      if (Status s = look(out_.rounds.size() % 4 == 0); !s) return s;
+      add_round();
+    }
+    return success();
+  };
+  if (Status s = climb(); !s) return s.error();
+  if (!offences_.empty() && !hopeless_ && !asked) {
+    // Smoothing does not do it: there may be parts to turn over.
+    clusters_.clear();
+    level_.assign(input_.V.rows(), -1);
     compose();
-    if (Status s = look(out_.rounds.size() % 4 == 0); !s) return s.error();
+    if (Status s = look(false); !s) return s.error();
+    if (Status s = turn_parts(); !s) return s.error();
     add_round();
+    if (out_.turned_parts > 0)
+      if (Status s = climb(); !s) return s.error();
   }
   if (hopeless_) return inside_out();
   if (!offences_.empty()) {
     const Index v = offences_[0][0];
-    return Error{ErrorCode::infeasible,
-                 "The surface could not be repaired by moving vertices by at most " +
-                     std::to_string(options_.max_relative_move) + " of its diagonal; the first of " +
-                     std::to_string(offences_.size()) + " places left is at vertex " + std::to_string(v) +
-                     ". " + diagnosis_.message};
+    return Error{ErrorCode::infeasible, "The surface could not be repaired by moving vertices by at most " +
+                                            std::to_string(options_.max_relative_move) +
+                                            " of its diagonal; the first of " +
+                                            std::to_string(offences_.size()) + " places left is at vertex " +
+                                            std::to_string(v) + ". " + diagnosis_.message};
   }
-  if (!asked)
-    if (Status s = shrink(); !s) return s.error();
+  if (Status s = shrink(); !s) return s.error();
   record();
+  auto memory = std::make_shared<RepairMemory>();
+  memory->base = base_;
+  memory->level = level_;
+  memory->pinned = pinned_;
+  for (const Hinge& h : diagnosis_.hinges) memory->hinges.push_back(h.vertex);
+  out_.memory = std::move(memory);
   out_.surface = now_;
   out_.diagnosis = std::move(diagnosis_);
   out_.termination = "feasible";
@@ -555,7 +733,9 @@ Result<RepairResult> Repair::run() {
 Status RepairOptions::validate() const {
   if (!(max_relative_move > 0 && max_relative_move <= 1))
     return Error{ErrorCode::usage, "The largest move must be a part of the diagonal between 0 and 1."};
-  if (max_rounds < 1 || max_shrink_rounds < 0 || !(shrink_work >= 0))
+  if (!(gentle_relative_move > 0))
+    return Error{ErrorCode::usage, "The gentle move must be a positive part of the diagonal."};
+  if (max_rounds < 1 || max_shrink_rounds < 0 || !(shrink_work >= 0) || !(turn_work >= 0))
     return Error{ErrorCode::usage, "The numbers of rounds of a repair must be positive."};
   return success();
 }

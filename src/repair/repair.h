@@ -1,11 +1,14 @@
 // The repair stage: the smallest change of a surface that lets a positive tet mesh of it exist.
 //
 // What forbids a mesh is looked up exactly (src/surface/diagnose.h): places of negative winding number,
-// vertices with B0 < 0, hinges that no legal edges join, faces without area. The vertices there, in
+// vertices with B0 < 0, hinges that no legal edges join, faces without area. Parts that are inside out
+// as a whole (a tube, a tip) are turned first; see turning.h. Then the vertices that still forbid a mesh, in
 // clusters that have nothing to do with each other, are smoothed a little: first these alone by part of the
-// way, then further, then with more and more rings around them, until the diagnosis no longer objects
-// there. Every attempt starts from the input's positions, so nothing adds up. At the end each cluster goes
-// back as far as it can, and then vertex by vertex.
+// way, then further, then with more and more rings around them, until the diagnosis no longer objects there;
+// by no more than about an edge's length, and where that does not do, once more by as much as is allowed.
+// Every attempt starts from the same positions, so nothing adds up. Creases in which everything crosses
+// everything are smoothed as a whole. At the end each cluster goes back as far as it can, and then vertex by
+// vertex.
 //
 // Guaranteed: connectivity untouched; vertices that are not listed as moved bit-identical; no vertex moved
 // by more than max_relative_move; the diagnosis of the result is embedded or feasible. Same bytes on any
@@ -13,6 +16,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,14 +28,21 @@
 
 namespace overtet {
 
+struct RepairMemory;  // how far up the ladder each vertex was
+
 struct RepairOptions {
   double max_relative_move = 0.06;  // of the bounding box's diagonal
-  int max_rounds = 80;              // diagnoses until the surface must be feasible
-  int max_shrink_rounds = 60;       // diagnoses spent on moving less
-  double shrink_work = 5e4;         // and pairs of faces (plus a hundredth of the faces) looked at for that
-  // Places where no mesh was found although nothing forbids one: hinges next to them are smoothed until
-  // they are none, at the n-th mention of a place n steps further up the ladder.
-  std::vector<Eigen::Vector3d> places;
+  // What is tried first everywhere: this much of the diagonal, or the mean edge where that is longer.
+  double gentle_relative_move = 0.01;
+  int max_rounds = 80;         // diagnoses until the surface must be feasible
+  double turn_work = 1e5;      // pairs of faces (plus a hundredth of the faces) looked at for turning parts
+  int max_shrink_rounds = 60;  // diagnoses spent on moving less
+  double shrink_work = 5e4;    // and pairs of faces (plus a hundredth of the faces) looked at for that
+  // To go on from an earlier repair of the same surface, of which no mesh was found although nothing forbids
+  // one: `place` names where, and what moves there (hinges next to it, if nothing does) goes further up the
+  // ladder of smoothings; without a place everything does.
+  std::shared_ptr<const RepairMemory> earlier;
+  std::optional<Eigen::Vector3d> place;
 
   Status validate() const;
 };
@@ -48,8 +60,11 @@ struct RepairResult {
   Diagnosis diagnosis;       // of the repaired surface
   std::vector<Index> moved;  // sorted
   double max_relative = 0;   // the largest move over the bounding box's diagonal
+  double mean_relative = 0;  // of those that moved
   std::vector<RepairRound> rounds;
-  Index shrink_rounds = 0;
+  Index turned_parts = 0;  // inside-out parts that were turned as a whole
+  Index turn_rounds = 0, shrink_rounds = 0;
+  std::shared_ptr<const RepairMemory> memory;
   std::string termination;  // "nothing to repair", "feasible"
 };
 
