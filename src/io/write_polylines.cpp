@@ -35,7 +35,9 @@ void write_vtp(TextWriter& out, const Polylines& p) {
   for (const auto& field : p.point_data) write_field(out, field);
   out.text("</PointData>\n<CellData>\n");
   for (const auto& field : p.segment_data) write_field(out, field);
-  out.text("</CellData>\n<Points>\n<DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">\n");
+  out.text(
+      "</CellData>\n<Points>\n<DataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\" "
+      "format=\"ascii\">\n");
   for (const auto& x : p.points)
     out.number(x[0]).character(' ').number(x[1]).character(' ').number(x[2]).end_line();
   out.text(

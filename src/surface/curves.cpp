@@ -11,6 +11,9 @@ namespace overtet {
 
 namespace {
 
+// Places on a segment (0 to 1) that doubles do not tell better than this are computed in fractions.
+constexpr double kNear = 1e-9;
+
 using exact::Point;
 using exact::Rational;
 using exact::Rays;
@@ -35,12 +38,15 @@ struct RawSegment {
   bool plain() const { return along[0].dimension == 2 && along[1].dimension == 2; }
 };
 
-// Where third faces cross a segment.
+// Where third faces cross a segment. Where each of them does so with its inside, and the segment lies inside
+// its own two faces, the faces at that point name it, whichever segment it is found from.
 struct Cut {
-  Rational at;  // from 0 to 1
-  int step = 0;
-  bool plain = true;  // one face passes through with its inside
-  bool operator<(const Cut& other) const { return at < other.at; }
+  double near = 0, error = 0;  // the place, from 0 to 1
+  std::optional<Rational> exact;
+  int step = 0;  // of the winding number
+  bool plain = true;
+  Index by = -1;             // the face that the place is computed from
+  std::vector<Index> faces;  // sorted: all that contain the point
 };
 
 struct PairMeets {
@@ -261,21 +267,35 @@ class Tracer {
   void cut(std::size_t number) {
     const RawSegment& s = segments_[number];
     const Point &a = position_[s.node[0]], &b = position_[s.node[1]];
-    const Vec way = b.x - a.x;
-    const Point direction(way);
+    std::optional<Point> direction;
     std::vector<Cut> cuts;
+    const auto add = [&](Index h, int step, bool plain) -> Cut& {
+      cuts.emplace_back();
+      cuts.back().step = step;
+      cuts.back().plain = plain;
+      cuts.back().by = h;
+      cuts.back().faces = {h};
+      return cuts.back();
+    };
     for (const Index h : partners_.common(s.faces.first, s.faces.second)) {
       if (apart(a, b, h)) continue;
       const int sa = rays_.side(a, h), sb = rays_.side(b, h);
-      const Vec n = rays_.normal(h);
-      if (sa * sb < 0) {
-        const int passes = rays_.passes(a, direction, h);
+      if (sa * sb > 0 || (sa == 0) != (sb == 0)) continue;
+      if (sa != 0) {
+        if (!direction) direction.emplace(b.x - a.x);
+        const int passes = rays_.passes(a, *direction, h);
         if (passes == 0) continue;
-        const Rational from = dot(n, exact_point(surface_.F(h, 0)) - a.x);
         const bool plain = passes != Rays::kGrazes;
-        cuts.push_back({from / dot(n, way), plain ? -passes : 0, plain});
-      } else if (sa == 0 && sb == 0) {
+        Cut& cut = add(h, plain ? -passes : 0, plain && s.plain());
+        double error_a, error_b;
+        const double x = rays_.height(a, h, error_a), y = rays_.height(b, h, error_b);
+        const double span = std::fabs(x - y) - error_a - error_b;
+        cut.near = x / (x - y);
+        cut.error = span > 0 ? 3 * (error_a + error_b) / span + 1e-15 : HUGE_VAL;
+        if (!(cut.error < kNear)) refine(cut, a, b);
+      } else {
         // The segment runs in the plane of h: cut it at h's edges.
+        const Vec n = rays_.normal(h);
         Rational lo = 0, hi = 1;
         for (int k = 0; k < 3; ++k) {
           const Vec o = exact_point(surface_.F(h, k));
@@ -289,20 +309,58 @@ class Tracer {
         }
         if (lo > hi) continue;
         overlaid_[number] = 1;
-        if (exact::sign(lo) > 0) cuts.push_back({lo, 0, false});
-        if (hi < 1) cuts.push_back({hi, 0, false});
+        for (const Rational& t : {lo, hi}) {
+          if (exact::sign(t) <= 0 || t >= 1) continue;
+          Cut& cut = add(h, 0, false);
+          cut.near = t.get_d();
+          cut.error = 1e-15;
+          cut.exact = t;
+        }
       }
     }
-    std::sort(cuts.begin(), cuts.end());
-    for (Cut& c : cuts) {
-      auto& kept = cuts_[number];
-      if (kept.empty() || kept.back().at != c.at) {
-        kept.push_back(std::move(c));
-      } else {
-        kept.back().step += c.step;
-        kept.back().plain = kept.back().plain && c.plain;
+    // The order of exact arithmetic; the doubles decide wherever they are far enough apart.
+    const auto compare = [&](Cut& x, Cut& y) {
+      const double gap = x.near - y.near;
+      if (std::fabs(gap) > x.error + y.error) return gap < 0 ? -1 : 1;
+      refine(x, a, b);
+      refine(y, a, b);
+      return cmp(*x.exact, *y.exact);
+    };
+    std::vector<Cut*> order;
+    for (Cut& c : cuts) order.push_back(&c);
+    std::sort(order.begin(), order.end(), [&](Cut* x, Cut* y) { return compare(*x, *y) < 0; });
+    auto& kept = cuts_[number];
+    for (Cut* c : order) {
+      if (kept.empty() || compare(kept.back(), *c) != 0) {
+        kept.push_back(std::move(*c));
+        continue;
+      }
+      kept.back().step += c->step;
+      kept.back().plain = kept.back().plain && c->plain;
+      kept.back().faces.push_back(c->faces[0]);
+    }
+    for (Cut& c : kept) {
+      c.faces.push_back(s.faces.first);
+      c.faces.push_back(s.faces.second);
+      std::sort(c.faces.begin(), c.faces.end());
+      if (!c.plain || overlaid_[number]) {
+        c.plain = false;
+        refine(c, a, b);
       }
     }
+  }
+
+  Rational exact_place(const Cut& cut, const Point& a, const Point& b) const {
+    if (cut.exact) return *cut.exact;
+    const Vec o = exact_point(surface_.F(cut.by, 0)), n = rays_.normal(cut.by);
+    const Rational x = dot(n, a.x - o), y = dot(n, b.x - o);
+    return x / (x - y);
+  }
+  void refine(Cut& cut, const Point& a, const Point& b) const {
+    if (cut.exact) return;
+    cut.exact = exact_place(cut, a, b);
+    cut.near = cut.exact->get_d();
+    cut.error = 1e-15;
   }
 
   // Curves
@@ -316,9 +374,15 @@ class Tracer {
   // Where the winding number comes from: a piece of a segment.
   struct Piece {
     Index segment;
-    Rational from, to;  // along the segment, from its first node to its second
-    int step = 0;       // from the piece before, where that says it
+    Index number;  // among the segment's pieces, from its first node to its second
+    int step = 0;  // from the piece before, where that says it
     bool follows = false;
+  };
+
+  // Of a node of a curve: a node of segments, or where third faces cut one.
+  struct Place {
+    Index node;
+    const Cut* cut;
   };
 
   bool is_hinge(Index node) const {
@@ -397,8 +461,9 @@ class Tracer {
         out.kind = is_hinge(node) ? CurveNode::Kind::hinge : CurveNode::Kind::vertex;
         out.vertex = m[0].id;
       }
+      out.position = position_[node].near;
       curve.nodes.push_back(out);
-      places_[c].push_back(position_[node]);
+      places_[c].push_back({node, nullptr});
     };
     for (const Step& step : steps_[c]) {
       const RawSegment& s = segments_[step.segment];
@@ -408,15 +473,16 @@ class Tracer {
       const Point &a = position_[s.node[0]], &b = position_[s.node[1]];
       for (int i = 0; i <= n; ++i) {
         const int k = step.enters == 0 ? i : n - i;  // piece k lies between cuts k - 1 and k
-        Piece piece{step.segment, k == 0 ? Rational(0) : cuts[k - 1].at, k == n ? Rational(1) : cuts[k].at};
+        Piece piece{step.segment, k};
         if (i > 0) {
           const Cut& before = cuts[step.enters == 0 ? k - 1 : k];
           piece.follows = before.plain;
           piece.step = step.enters == 0 ? before.step : -before.step;
           CurveNode out;
           out.kind = CurveNode::Kind::triple;
+          for (int j = 0; j < 3; ++j) out.position[j] = a.near[j] + before.near * (b.near[j] - a.near[j]);
           curve.nodes.push_back(out);
-          places_[c].push_back(Point(a.x + before.at * (b.x - a.x)));
+          places_[c].push_back({-1, &before});
         } else {
           const Meeting& m = nodes_[s.node[step.enters]];
           piece.follows = m[0].dimension == 1 && m[1].dimension == 2;
@@ -435,32 +501,53 @@ class Tracer {
     }
   }
 
+  // Points that are the same: by their faces where those name them, else by their coordinates.
   void find_junctions() {
     struct Entry {
-      const Point* at;
+      Point at;                         // where the faces do not name it
+      const std::vector<Index>* faces;  // where they do
       Index curve, node;
     };
     std::vector<Entry> all;
     for (Index c = 0; c < static_cast<Index>(places_.size()); ++c)
-      for (Index i = 0; i < static_cast<Index>(places_[c].size()); ++i) all.push_back({&places_[c][i], c, i});
-    // Equal numbers have equal roundings.
-    std::sort(all.begin(), all.end(), [](const Entry& a, const Entry& b) {
-      if (a.at->near != b.at->near) return a.at->near < b.at->near;
+      for (Index i = 0; i < static_cast<Index>(places_[c].size()); ++i) {
+        const Place& place = places_[c][i];
+        if (place.node >= 0) {
+          all.push_back({position_[place.node], nullptr, c, i});
+        } else if (place.cut->plain) {
+          all.push_back({{}, &place.cut->faces, c, i});
+        } else {
+          const Piece& piece = pieces_[c][i];
+          const RawSegment& s = segments_[piece.segment];
+          const Vec& a = position_[s.node[0]].x;
+          all.push_back({Point(a + *place.cut->exact * (position_[s.node[1]].x - a)), nullptr, c, i});
+        }
+      }
+    const auto order = [](const Entry& a, const Entry& b) {
+      if ((a.faces == nullptr) != (b.faces == nullptr)) return a.faces ? -1 : 1;
+      if (a.faces) return *a.faces == *b.faces ? 0 : *a.faces < *b.faces ? -1 : 1;
+      // Equal numbers have equal roundings.
+      if (a.at.near != b.at.near) return a.at.near < b.at.near ? -1 : 1;
       for (int k = 0; k < 3; ++k)
-        if (const int order = cmp(a.at->x[k], b.at->x[k])) return order < 0;
-      return a.curve != b.curve ? a.curve < b.curve : a.node < b.node;
-    });
-    const auto same = [](const Entry& a, const Entry& b) {
-      return a.at->near == b.at->near && a.at->x.x == b.at->x.x;
+        if (const int sign = cmp(a.at.x[k], b.at.x[k])) return sign;
+      return 0;
     };
+    std::vector<Index> sorted(all.size());
+    for (std::size_t i = 0; i < all.size(); ++i) sorted[i] = static_cast<Index>(i);
+    std::stable_sort(sorted.begin(), sorted.end(),
+                     [&](Index a, Index b) { return order(all[a], all[b]) < 0; });
     for (std::size_t b = 0, e; b < all.size(); b = e) {
-      for (e = b + 1; e < all.size() && same(all[b], all[e]);) ++e;
+      for (e = b + 1; e < all.size() && order(all[sorted[b]], all[sorted[e]]) == 0;) ++e;
       if (e - b < 2) continue;
       Junction junction;
-      junction.position = all[b].at->near;
+      const Entry& first = all[sorted[b]];
+      junction.position = out_.curves[first.curve].nodes[first.node].position;
       for (std::size_t i = b; i < e; ++i) {
-        out_.curves[all[i].curve].nodes[all[i].node].junction = static_cast<Index>(out_.junctions.size());
-        junction.strands.emplace_back(all[i].curve, all[i].node);
+        const Entry& entry = all[sorted[i]];
+        CurveNode& node = out_.curves[entry.curve].nodes[entry.node];
+        node.junction = static_cast<Index>(out_.junctions.size());
+        node.position = junction.position;  // one rounding for all
+        junction.strands.emplace_back(entry.curve, entry.node);
       }
       out_.junctions.push_back(std::move(junction));
     }
@@ -468,15 +555,39 @@ class Tracer {
 
   // Numbers
 
+  // The preimages of the nodes. Those where third faces cut a segment lie between those of its ends.
+  void put_on_faces(std::size_t c) {
+    Curve& curve = out_.curves[c];
+    const std::size_t m = curve.nodes.size();
+    std::array<SurfacePoint, 2> from, to;
+    for (std::size_t i = 0; i < m; ++i) {
+      CurveNode& node = curve.nodes[i];
+      const Place& place = places_[c][i];
+      const auto& faces = curve.segments[std::min(i, curve.segments.size() - 1)].faces;
+      if (place.node >= 0) {
+        for (int k = 0; k < 2; ++k) node.on[k] = on_face(position_[place.node].x, faces[k]);
+        continue;
+      }
+      if (places_[c][i - 1].node >= 0) {
+        const auto& ends = segments_[pieces_[c][i].segment].node;
+        for (int k = 0; k < 2; ++k) {
+          from[k] = on_face(position_[ends[0]].x, faces[k]);
+          to[k] = on_face(position_[ends[1]].x, faces[k]);
+        }
+      }
+      for (int k = 0; k < 2; ++k) {
+        node.on[k].face = faces[k];
+        for (int j = 0; j < 3; ++j)
+          node.on[k].barycentric[j] =
+              from[k].barycentric[j] + place.cut->near * (to[k].barycentric[j] - from[k].barycentric[j]);
+      }
+    }
+  }
+
   void finish(std::size_t c) {
     Curve& curve = out_.curves[c];
     const std::size_t n = curve.segments.size(), m = curve.nodes.size();
-    for (std::size_t i = 0; i < m; ++i) {
-      CurveNode& node = curve.nodes[i];
-      node.position = places_[c][i].near;
-      for (int k = 0; k < 2; ++k)
-        node.on[k] = on_face(places_[c][i].x, curve.segments[std::min(i, n - 1)].faces[k]);
-    }
+    put_on_faces(c);
     std::optional<int> outer;  // of the segment before
     bool any = false;
     for (std::size_t i = 0; i < n; ++i) {
@@ -509,17 +620,27 @@ class Tracer {
   // The winding number in front of both faces.
   std::optional<int> look(const Piece& piece) const {
     const RawSegment& s = segments_[piece.segment];
-    const Vec& from = position_[s.node[0]].x;
+    const auto [begin, end] = range(piece);
+    const Vec &from = position_[s.node[0]].x, along = position_[s.node[1]].x - from;
     const Vec u = exact::cross(rays_.normal(s.faces.first), rays_.normal(s.faces.second));
-    const auto wedge = wedges_.in_front(s.faces.first, s.faces.second, u, from, position_[s.node[1]].x - from,
-                                        piece.from, piece.to);
+    const auto wedge = wedges_.in_front(s.faces.first, s.faces.second, u, from, along, begin, end);
     return wedge ? std::optional<int>(wedge->winding) : std::nullopt;
+  }
+
+  std::pair<Rational, Rational> range(const Piece& piece) const {
+    const RawSegment& s = segments_[piece.segment];
+    const auto& cuts = cuts_[piece.segment];
+    const Point &a = position_[s.node[0]], &b = position_[s.node[1]];
+    const std::size_t k = static_cast<std::size_t>(piece.number);
+    return {k == 0 ? Rational(0) : exact_place(cuts[k - 1], a, b),
+            k == cuts.size() ? Rational(1) : exact_place(cuts[k], a, b)};
   }
 
   void look_around(const Piece& piece, CurveSegment& segment) const {
     const RawSegment& s = segments_[piece.segment];
+    const auto [begin, end] = range(piece);
     const Vec &from = position_[s.node[0]].x, along = position_[s.node[1]].x - from;
-    for (const Wedge& wedge : wedges_.around(along, Point(from + ((piece.from + piece.to) / 2) * along))) {
+    for (const Wedge& wedge : wedges_.around(along, Point(from + ((begin + end) / 2) * along))) {
       segment.winding_min =
           segment.winding_known ? std::min(segment.winding_min, wedge.winding) : wedge.winding;
       segment.winding_max =
@@ -561,7 +682,7 @@ class Tracer {
   std::vector<char> overlaid_;                                // per segment: third faces run along it
   std::vector<std::vector<Step>> steps_;                      // per curve, and so on
   std::vector<std::vector<Piece>> pieces_;
-  std::vector<std::vector<Point>> places_;
+  std::vector<std::vector<Place>> places_;
   Curves out_;
 };
 

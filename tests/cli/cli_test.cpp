@@ -237,6 +237,90 @@ TEST_F(Cli, InspectSpeaksTextAndJson) {
   EXPECT_EQ(j["winding_min"], 0);
 }
 
+// The numbers between a tag that holds `name` and its end.
+std::vector<double> numbers_of(const std::string& vtp, const std::string& name) {
+  const std::size_t tag = vtp.find(name), begin = vtp.find('>', tag) + 1, end = vtp.find("</", begin);
+  EXPECT_NE(tag, std::string::npos) << name;
+  std::istringstream in(vtp.substr(begin, end - begin));
+  std::vector<double> out;
+  for (double x; in >> x;) out.push_back(x);
+  return out;
+}
+
+TEST_F(Cli, CurvesAreSavedForOtherPrograms) {
+  for (const Surface& s : {test::two_spheres(), test::elbow(150, 14), test::sphere(1)}) {
+    const std::string in = save("a.off", s), vtp = folder_.file("c.vtp"), obj = folder_.file("c.obj");
+    const ShellResult r = run("inspect --json --curves " + in + " --save-curves " + vtp);
+    ASSERT_EQ(r.exit_code, 0) << r.err;
+    ASSERT_EQ(run("inspect " + in + " --save-curves " + obj).exit_code, 0);
+    const json curves = json::parse(r.out)["curves"];
+    std::vector<double> points, faces, winding;
+    std::size_t segments = 0;
+    for (const json& c : curves) {
+      for (const json& p : c["points"])
+        for (const json& x : p["position"]) points.push_back(x);
+      for (const json& pair : c["faces"])
+        for (const json& f : pair) faces.push_back(f);
+      for (const json& w : c["winding"]) winding.push_back(w[0]);
+      segments += c["segments"].get<std::size_t>();
+    }
+    const std::string text = test::read_text(vtp);
+    EXPECT_EQ(numbers_of(text, "Name=\"Points\""), points);
+    EXPECT_EQ(numbers_of(text, "Name=\"faces\""), faces);
+    EXPECT_EQ(numbers_of(text, "Name=\"winding_min\""), winding);
+    const auto cells = numbers_of(text, "Name=\"connectivity\""),
+               offsets = numbers_of(text, "Name=\"offsets\"");
+    EXPECT_EQ(cells.size(), 2 * segments);
+    EXPECT_EQ(offsets.size(), segments);
+    for (std::size_t i = 0; i < offsets.size(); ++i) EXPECT_EQ(offsets[i], 2.0 * static_cast<double>(i + 1));
+    for (const double cell : cells) EXPECT_LT(cell, static_cast<double>(points.size()) / 3);
+    for (const char* name : {"curve", "closed", "crossing", "winding_max"})
+      EXPECT_EQ(numbers_of(text, "Name=\"" + std::string(name) + "\"").size(), segments);
+    EXPECT_EQ(numbers_of(text, "Name=\"barycentric_1\"").size(), points.size());
+
+    std::istringstream lines(test::read_text(obj));
+    std::vector<double> read;
+    std::vector<std::vector<std::size_t>> polylines;
+    for (std::string line; std::getline(lines, line);) {
+      std::istringstream words(line);
+      std::string key;
+      words >> key;
+      if (key == "v")
+        for (double x; words >> x;) read.push_back(x);
+      if (key == "l") {
+        polylines.emplace_back();
+        for (std::size_t i; words >> i;) polylines.back().push_back(i);
+      }
+    }
+    EXPECT_EQ(read, points);
+    ASSERT_EQ(polylines.size(), curves.size());
+    for (std::size_t c = 0; c < curves.size(); ++c) {
+      EXPECT_EQ(polylines[c].size(), curves[c]["segments"].get<std::size_t>() + 1);
+      EXPECT_EQ(polylines[c].front() == polylines[c].back(), curves[c]["closed"].get<bool>());
+      for (const std::size_t i : polylines[c]) EXPECT_TRUE(i >= 1 && 3 * i <= read.size());
+    }
+  }
+  const std::string in = save("a.off", test::sphere(1));
+  EXPECT_EQ(run("inspect " + in + " --save-curves " + folder_.file("c.stl")).exit_code, 2);
+  EXPECT_EQ(run("inspect " + in + " --save-curves " + folder_.file("no/such/c.vtp")).exit_code, 7);
+}
+
+TEST_F(Cli, InspectShowsHinges) {
+  const std::string in = save("a.off", test::elbow(150, 14));
+  const json j = json::parse(run("inspect --json " + in).out);
+  ASSERT_FALSE(j["hinges"].empty());
+  for (const json& h : j["hinges"]) {
+    EXPECT_EQ(h["position"].size(), 3u);
+    EXPECT_FALSE(h["crossings"].empty());
+    ASSERT_GE(h["edges"].size(), 3u);
+    for (const json& e : h["edges"]) EXPECT_FALSE(e["levels"].empty());
+  }
+  EXPECT_FALSE(j["wound_edges"].empty());
+  const std::string text = run("inspect " + in).out;
+  for (const char* word : {"hinges", "levels", "wound", "curves", "from vertex"})
+    EXPECT_NE(text.find(word), std::string::npos) << word;
+}
+
 TEST_F(Cli, FilesThatCannotBeReadOrWritten) {
   const std::string in = save("a.off", test::sphere(1));
   for (const std::string& words :
