@@ -17,6 +17,8 @@
 
 #include "kernels/bvh/self_intersections.h"
 #include "kernels/predicates/predicates.h"
+#include "src/immersion/pieces.h"
+#include "src/immersion/tolerant_cutter.h"
 
 namespace overtet {
 
@@ -72,14 +74,6 @@ class PointTable {
 struct Cuts {
   std::vector<Index> points;
   std::vector<std::pair<Index, Index>> segments;
-};
-
-// A triangle of the growing complex with the input faces that run along it.
-struct Piece {
-  std::array<Index, 3> corners;
-  ArrangementSheet sheet;
-  std::vector<ArrangementSheet> more;  // only where faces coincide
-  bool cut = false;                    // part of a face that was cut, or next to one that changed
 };
 
 // One round: cuts the pieces along all given pairs, exactly, and rounds the new points to doubles.
@@ -227,9 +221,41 @@ class Cutter {
   std::map<Index, Cuts> cuts_;
 };
 
+// Rounds of cutting with a tolerance: two or three are the rule. After some, each must cut fewer pieces than
+// the one before, or features of the tolerance's own size breed ever more of them.
+constexpr int kTolerantRounds = 16;
+constexpr int kSettlingRounds = 4;
+
 class Arranger {
  public:
   explicit Arranger(const Surface& surface) : surface_(surface) {}
+
+  Result<Arrangement> run_with_tolerance(double tolerance, const RunContext& context) {
+    number_input_positions();
+    double largest = 0;
+    for (const auto& p : points_) largest = std::max(largest, p.cwiseAbs().maxCoeff());
+    const double near = std::ldexp(tolerance, std::ilogb(largest));
+    const bool merged = merge_input_positions(near);
+    merge();
+    Index last = 0;
+    for (int round = 0; round < kTolerantRounds; ++round) {
+      Result<ToleranceRound> done = cut_with_tolerance(points_, pieces_, near, context);
+      if (!done) return done.error();
+      const Index cut = done.value().cut;
+      if (round == 0 && !merged && done.value().touching == 0)
+        return Error{ErrorCode::unsolved, "No parts of the surface touch each other within the tolerance."};
+      if (cut == 0) {
+        const std::vector<FacePair> crossing = intersections();
+        if (crossing.empty()) return collect_tolerant(round + 1);
+        if (auto error = Cutter(points_, pieces_).run(crossing, context)) return *error;
+      }
+      if (round >= kSettlingRounds && cut > last) break;
+      last = cut;
+      snap(near, true);
+      merge();
+    }
+    return Error{ErrorCode::unsolved, "Parts of the surface are too close together to be told apart."};
+  }
 
   Result<Arrangement> run(const std::vector<FacePair>& pairs, const RunContext& context) {
     number_input_positions();
@@ -238,7 +264,9 @@ class Arranger {
       if (auto error = Cutter(points_, pieces_).run(crossing, context)) return *error;
       if (round == 0)
         for (const Piece& p : pieces_) cut_faces_.push_back(p.cut ? p.sheet.face : -1);
-      snap(round);
+      double largest = 0;
+      for (const auto& p : points_) largest = std::max(largest, p.cwiseAbs().maxCoeff());
+      snap(std::ldexp(1.0, std::ilogb(largest) + kDistances[round / kRoundsPerDistance]), false);
       merge();
       crossing = intersections();
       if (crossing.empty()) return collect(round + 1);
@@ -282,15 +310,70 @@ class Arranger {
     }
   }
 
-  // Added points move onto an earlier point closer than the round's distance, input positions first. All
-  // others stay: moving them would only make new crossings.
-  void snap(int round) {
-    double largest = 0;
-    for (const auto& p : points_) largest = std::max(largest, p.cwiseAbs().maxCoeff());
-    const double near = std::ldexp(1.0, std::ilogb(largest) + kDistances[round / kRoundsPerDistance]);
+  // Input positions closer than `near` become one, the first of them, unless they belong to one face. True if
+  // any.
+  bool merge_input_positions(double near) {
+    std::vector<std::vector<Index>> beside(points_.size());
+    for (const Piece& p : pieces_)
+      for (int k = 0; k < 3; ++k) {
+        beside[p.corners[k]].push_back(p.corners[(k + 1) % 3]);
+        beside[p.corners[k]].push_back(p.corners[(k + 2) % 3]);
+      }
+    using Cell = std::array<double, 3>;
+    std::map<Cell, std::vector<Index>> cells;
+    std::vector<Index> to(points_.size());
+    std::iota(to.begin(), to.end(), 0);
+    for (Index v = 0; v < input_positions_; ++v) {
+      const Eigen::Vector3d p = points_[v];
+      const Cell cell{std::floor(p[0] / near), std::floor(p[1] / near), std::floor(p[2] / near)};
+      double best = near;
+      for (int i = 0; i < 27; ++i) {
+        const auto at = cells.find({cell[0] + i % 3 - 1, cell[1] + i / 3 % 3 - 1, cell[2] + i / 9 - 1});
+        if (at == cells.end()) continue;
+        for (const Index u : at->second)
+          if (const double d = (points_[u] - p).norm(); d < best)
+            if (std::none_of(beside[v].begin(), beside[v].end(), [&](Index w) { return to[w] == u; }))
+              best = d, to[v] = u;
+      }
+      if (to[v] == v) cells[cell].push_back(v);
+    }
+    std::vector<Index> number(points_.size(), -1);
+    std::vector<Eigen::Vector3d> kept;
+    for (Index v = 0; v < input_positions_; ++v)
+      if (to[v] == v) number[v] = static_cast<Index>(kept.size()), kept.push_back(points_[v]);
+    for (Piece& piece : pieces_)
+      for (Index& v : piece.corners) v = number[to[v]];
+    for (Index& v : input_number_) v = number[to[v]];
+    const bool any = kept.size() < points_.size();
+    points_ = std::move(kept);
+    input_positions_ = static_cast<Index>(points_.size());
+    return any;
+  }
+
+  Result<Arrangement> collect_tolerant(int rounds) {
+    std::vector<char> there(surface_.F.rows(), 0);
+    for (const Piece& p : pieces_) {
+      there[p.sheet.face] = 1;
+      for (const ArrangementSheet& s : p.more) there[s.face] = 1;
+      if (p.cut) cut_faces_.push_back(p.sheet.face);
+    }
+    cut_faces_.push_back(-1);
+    if (const auto lost = std::find(there.begin(), there.end(), 0); lost != there.end())
+      return Error{ErrorCode::unsolved,
+                   "Face " + std::to_string(lost - there.begin()) +
+                       " is thinner than the distance at which parts of the surface count as "
+                       "touching."};
+    Arrangement out = collect(rounds);
+    out.tolerant = true;
+    return out;
+  }
+
+  // Added points move onto an earlier point closer than the distance, input positions first. All others stay:
+  // moving them would only make new crossings. everywhere: not only at pieces that have been cut.
+  void snap(double near, bool everywhere) {
     std::vector<char> used(points_.size(), 0);
     for (const Piece& piece : pieces_)
-      if (piece.cut)
+      if (piece.cut || everywhere)
         for (const Index v : piece.corners) used[v] = 1;
     // Cells of that size: whoever is near lies in a cell next to it.
     using Cell = std::array<double, 3>;
@@ -313,7 +396,8 @@ class Arranger {
       if (to[v] == v) cells[cell].push_back(v);
     }
     for (Piece& piece : pieces_)
-      for (Index& v : piece.corners) v = to[v];
+      for (Index& v : piece.corners)
+        if (to[v] != v) v = to[v], piece.fresh = true;
   }
 
   // Drops pieces that have collapsed and makes one of those that coincide; a face folded onto itself cancels.
@@ -361,6 +445,7 @@ class Arranger {
           add(other.sheet);
           for (const ArrangementSheet& s : other.more) add(s);
           lead.cut |= other.cut;
+          lead.fresh = true;
         }
         if (sheets.empty()) {
           b = e;
@@ -448,7 +533,8 @@ class Arranger {
 }  // namespace
 
 Result<Arrangement> arrange(const Surface& surface, const std::vector<std::pair<Index, Index>>& pairs,
-                            const RunContext& context) {
+                            const ArrangeOptions& options, const RunContext& context) {
+  if (options.tolerance > 0) return Arranger(surface).run_with_tolerance(options.tolerance, context);
   return Arranger(surface).run(pairs, context);
 }
 

@@ -24,19 +24,31 @@ struct ArrangementSheet {
 };
 
 struct Arrangement {
-  VertexMatrix V;                  // #X x 3; first the input's distinct positions, in order of appearance
-  TriangleMatrix F;                // #G x 3; no two alike
-  std::vector<Index> sheet_begin;  // #G + 1; sheets of triangle g: [sheet_begin[g], sheet_begin[g + 1])
+  VertexMatrix
+      V;  // #X x 3; first the input's distinct positions (with a tolerance: one of several), in order
+  TriangleMatrix F;                      // #G x 3; no two alike
+  std::vector<Index> sheet_begin;        // #G + 1; sheets of triangle g: [sheet_begin[g], sheet_begin[g + 1])
   std::vector<ArrangementSheet> sheets;  // more than one only where faces coincide
-  std::vector<Index> vertex_of_input;    // #V; the arrangement's vertex at each input vertex
+  std::vector<Index> vertex_of_input;    // #V; the arrangement's vertex at (or near) each input vertex
   Index input_positions = 0;             // the first rows of V that are input positions
   Index cut_faces = 0;                   // input faces that were cut
   int rounds = 1;                        // of cutting and rounding
+  bool tolerant = false;                 // input positions closer than the tolerance have become one
+};
+
+struct ArrangeOptions {
+  // Relative to the largest coordinate, a power of two. 0: cuts are exact. Otherwise vertices and edges of
+  // the input closer than that count as touching (tolerant_cutter.h): for surfaces that nearly coincide.
+  double tolerance = 0;
 };
 
 // pairs: all intersecting pairs of faces (src/surface/), i < j.
 // pre: every face of the surface has a positive area, decided exactly.
 Result<Arrangement> arrange(const Surface& surface, const std::vector<std::pair<Index, Index>>& pairs,
-                            const RunContext& context);
+                            const ArrangeOptions& options, const RunContext& context);
+inline Result<Arrangement> arrange(const Surface& surface, const std::vector<std::pair<Index, Index>>& pairs,
+                                   const RunContext& context) {
+  return arrange(surface, pairs, {}, context);
+}
 
 }  // namespace overtet

@@ -32,6 +32,12 @@ constexpr double kWideWedge = 1.9 * 3.14159265358979323846;
 // Corners closer to a slitting plane than this (sine) make the slit try another angle.
 constexpr double kOffPlane = 1e-4;
 
+// Edges of the star of a point that are halved to make way for one slit.
+constexpr int kShrinkings = 64;
+
+// Rounds in which the surface's vertices return to their places; one is the rule.
+constexpr int kHomeRounds = 16;
+
 Triple sorted(Triple t) {
   std::sort(t.begin(), t.end());
   return t;
@@ -84,7 +90,38 @@ class Clearer {
     return result_;
   }
 
+  std::vector<Index> bring_home() {
+    std::vector<Index> left;
+    for (Index v = 0; v < static_cast<Index>(surface_.V.rows()); ++v)
+      if (complex_.position(v) != Vector3d(surface_.V.row(v))) left.push_back(v);
+    for (int round = 0; round < kHomeRounds && !left.empty(); ++round) {
+      std::vector<Index> still;
+      for (const Index v : left) {
+        if (context_.stop()) return left;
+        if (move_home(v)) continue;
+        make_room(v);
+        if (!move_home(v)) still.push_back(v);
+      }
+      left = std::move(still);
+    }
+    return left;
+  }
+
  private:
+  // As far as it goes: true when all the way.
+  bool move_home(Index v) {
+    const Vector3d home = surface_.V.row(v), here = complex_.position(v);
+    std::vector<Triple> walls;
+    find_walls(v, walls);
+    for (double share = 1; share > 1e-3; share *= 0.5) {
+      const Vector3d x = share == 1 ? home : Vector3d(here + share * (home - here));
+      if (!positive(walls, x)) continue;
+      complex_.move(v, x);
+      return share == 1;
+    }
+    return false;
+  }
+
   const double* at(Index v) const { return complex_.position(v).data(); }
 
   // The points from which triangle (a, b, c) turns counter-clockwise.
@@ -250,11 +287,12 @@ class Clearer {
   }
   double wedge_angle(Index v, Index p) { return wedge(v, p).angle.back(); }
 
-  // A way through the link of v from p to n, in the half-plane at `angle` around the axis v-p, along edges of
-  // the complex, which are halved where the plane crosses them. Empty where it cannot be had.
-  std::vector<Index> slit(Index v, Index p, Index n, double angle) {
+  // The edges of the link of v that the half-plane at `angle` around the axis v-p crosses on the way from p
+  // to n. Empty where it passes too close to a vertex.
+  std::vector<std::pair<Index, Index>> crossed_by(Index v, Index p, Index n, double angle, Vector3d& normal) {
     const Wedge fan = wedge(v, p);
-    const Vector3d normal = fan.direction(angle + M_PI / 2), x = complex_.position(v);
+    const Vector3d x = complex_.position(v);
+    normal = fan.direction(angle + M_PI / 2);
     const auto side = [&](Index i) {
       const Vector3d d = complex_.position(i) - x;
       return normal.dot(d) / d.norm();
@@ -275,13 +313,32 @@ class Clearer {
       for (const Index c : complex_.tet(next))
         if (c != v && c != before && c != after) corner = c;
       tet = next;
-      if (corner == n) break;
+      if (corner == n) return crossed;
       if (side(corner) > 0) {
         behind = after, after = corner;
       } else {
         behind = before, before = corner;
       }
     }
+  }
+
+  // A way through the link of v from p to n, in the half-plane at `angle` around the axis v-p, along edges of
+  // the complex, which are halved where the plane crosses them. Empty where it cannot be had.
+  std::vector<Index> slit(Index v, Index p, Index n, double angle) {
+    const Vector3d x = complex_.position(v);
+    Vector3d normal;
+    std::vector<std::pair<Index, Index>> crossed;
+    for (int round = 0;; ++round) {
+      crossed = crossed_by(v, p, n, angle, normal);
+      const auto wall = std::find_if(crossed.begin(), crossed.end(), [&](const auto& e) {
+        return complex_.edge_on_boundary(e.first, e.second);
+      });
+      if (wall == crossed.end()) break;
+      // The star reaches across to another part of the boundary, whose edges stay whole: it is made smaller
+      // there.
+      if (round == kShrinkings || !(split_edge(v, wall->first) || split_edge(v, wall->second))) return {};
+    }
+    if (crossed.empty()) return {};
     std::vector<Index> path{p};
     for (const auto& [a, b] : crossed) {
       const double da = normal.dot(complex_.position(a) - x), db = normal.dot(complex_.position(b) - x);
@@ -555,6 +612,10 @@ BoundaryPointsResult clear_boundary_points(const Surface& surface, TetComplex& c
                                            const std::vector<std::array<Index, 3>>& boundary,
                                            const std::vector<Index>& face, const RunContext& context) {
   return Clearer(surface, complex, boundary, face, context).run();
+}
+
+std::vector<Index> bring_home(const Surface& surface, TetComplex& complex, const RunContext& context) {
+  return Clearer(surface, complex, {}, {}, context).bring_home();
 }
 
 }  // namespace overtet

@@ -31,4 +31,9 @@ BoundaryPointsResult clear_boundary_points(const Surface& surface, TetComplex& c
                                            const std::vector<std::array<Index, 3>>& boundary,
                                            const std::vector<Index>& face, const RunContext& context);
 
+// Moves the surface's vertices from where the complex has them, a hair away, to the surface's own positions,
+// bit by bit, with every tet exactly positive; neighbours inside make room. Returns those that could not be
+// moved.
+std::vector<Index> bring_home(const Surface& surface, TetComplex& complex, const RunContext& context);
+
 }  // namespace overtet

@@ -108,7 +108,8 @@ class Builder {
         return Error{ErrorCode::unsolved, "Vertex " + std::to_string(v) + " is lost in the arrangement."};
     Index next = surface_vertices;
     position_.reserve(surface_vertices + tets_.V.rows());
-    for (Index v = 0; v < surface_vertices; ++v) position_.push_back(surface_.V.row(v));
+    for (Index v = 0; v < surface_vertices; ++v)
+      position_.push_back(arrangement_.V.row(arrangement_.vertex_of_input[v]));
     for (std::size_t i = 0; i < 4 * n; ++i) {
       const Index root = find(static_cast<Index>(i));
       if (number[root] < 0) {

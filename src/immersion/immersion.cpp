@@ -1,6 +1,10 @@
 #include "src/immersion/immersion.h"
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <chrono>
+#include <iterator>
+#include <optional>
 #include <string>
 
 #include "src/immersion/boundary_points.h"
@@ -26,6 +30,15 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+// Tolerances of the arrangement, tried one after the other where exact cuts lead nowhere; where parts of the
+// surface nearly coincide, the first of them before exact cuts. The smallest leaves room for rounding, the
+// largest is still far below what anyone can have modelled.
+constexpr double kTolerances[] = {0x1p-40, 0x1p-32, 0x1p-24};
+constexpr std::ptrdiff_t kCoincidentFirst = 2;
+
+// Sine of the angle below which faces nearly lie in one plane.
+constexpr double kParallel = 1e-6;
+
 }  // namespace
 
 Status ImmersionOptions::validate() const {
@@ -34,14 +47,16 @@ Status ImmersionOptions::validate() const {
   return success();
 }
 
-Result<ImmersionResult> immerse(const Surface& surface, const std::vector<std::pair<Index, Index>>& pairs,
+namespace {
+
+// tolerance: of the arrangement; 0: exact.
+Result<ImmersionResult> attempt(const Surface& surface, const std::vector<FacePair>& pairs,
                                 std::span<const WoundEdge> wound, const ImmersionOptions& options,
-                                const RunContext& context) {
-  if (Status valid = options.validate(); !valid) return valid.error();
+                                double tolerance, const RunContext& context) {
   ImmersionResult out;
   Stopwatch watch;
   context.report("immersion", 0, "arrangement");
-  Result<Arrangement> arrangement = arrange(surface, pairs, context);
+  Result<Arrangement> arrangement = arrange(surface, pairs, {tolerance}, context);
   if (!arrangement) return arrangement.error();
   out.arrangement = std::move(arrangement).value();
   out.arrangement_seconds = watch.lap();
@@ -94,9 +109,54 @@ Result<ImmersionResult> immerse(const Surface& surface, const std::vector<std::p
                      " points where the surface crosses itself could not be moved inside.",
                  std::array<double, 3>{p[0], p[1], p[2]}};
   }
+  if (out.arrangement.tolerant) {
+    const std::vector<Index> away = bring_home(surface, complex, context);
+    if (auto stop = context.stop()) return *stop;
+    if (!away.empty()) {
+      const auto p = surface.V.row(away[0]);
+      return Error{
+          ErrorCode::unsolved,
+          std::to_string(away.size()) +
+              " vertices that nearly touch other parts of the surface could not return to their places.",
+          std::array<double, 3>{p[0], p[1], p[2]}};
+    }
+  }
   complex.compact(static_cast<Index>(surface.V.rows()));
   out.mesh = complex.to_mesh(static_cast<Index>(surface.V.rows()));
   return out;
+}
+
+// Faces that intersect and nearly lie in one plane: where exact cuts depend on the last bits.
+bool nearly_coincides(const Surface& surface, const std::vector<FacePair>& pairs) {
+  const auto normal = [&](Index f) {
+    const Eigen::Vector3d a = surface.V.row(surface.F(f, 0)), b = surface.V.row(surface.F(f, 1)),
+                          c = surface.V.row(surface.F(f, 2));
+    return Eigen::Vector3d((b - a).cross(c - a).normalized());
+  };
+  return std::any_of(pairs.begin(), pairs.end(), [&](const FacePair& p) {
+    return normal(p.first).cross(normal(p.second)).norm() < kParallel;
+  });
+}
+
+}  // namespace
+
+Result<ImmersionResult> immerse(const Surface& surface, const std::vector<FacePair>& pairs,
+                                std::span<const WoundEdge> wound, const ImmersionOptions& options,
+                                const RunContext& context) {
+  if (Status valid = options.validate(); !valid) return valid.error();
+  std::vector<double> order(std::begin(kTolerances), std::end(kTolerances));
+  order.insert(order.begin() + (nearly_coincides(surface, pairs) ? kCoincidentFirst : 0), 0.0);
+  std::optional<Error> failure;
+  for (const double tolerance : order) {
+    Result<ImmersionResult> result = attempt(surface, pairs, wound, options, tolerance, context);
+    if (result || result.error().code != ErrorCode::unsolved) return result;
+    Error error = result.error();
+    // Only without a tolerance is it the surface itself that has been tried.
+    if (tolerance > 0) error.exhausted = false;
+    if (error.exhausted) return error;
+    if (!failure || tolerance == 0) failure = std::move(error);
+  }
+  return *failure;
 }
 
 }  // namespace overtet
