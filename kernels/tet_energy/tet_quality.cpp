@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "kernels/parallel/parallel.h"
 #include "kernels/predicates/predicates.h"
 
 namespace overtet {
@@ -15,6 +16,7 @@ using Eigen::Vector3d;
 
 // What an exactly positive tet gets when its computed volume is not above zero.
 constexpr double kThinnest = 1e-30;
+constexpr std::int64_t kGrain = 4096;  // tets
 
 }  // namespace
 
@@ -84,20 +86,32 @@ DihedralStatistics dihedral_statistics(const VertexMatrix& V, const TetMatrix& T
   s.tets = T.rows();
   if (s.tets == 0) return s;
   std::vector<double> smallest(T.rows());
-  for (Eigen::Index t = 0; t < T.rows(); ++t) {
-    const auto angles = dihedral_angles(V.row(T(t, 0)), V.row(T(t, 1)), V.row(T(t, 2)), V.row(T(t, 3)));
-    const auto [low, high] = std::minmax_element(angles.begin(), angles.end());
-    smallest[t] = *low * 180 / M_PI;
-    s.max = std::max(s.max, *high * 180 / M_PI);
-  }
-  std::sort(smallest.begin(), smallest.end());
+  s.max = parallel_reduce(
+      T.rows(), kGrain, 0.0,
+      [&](std::int64_t begin, std::int64_t end) {
+        double largest = 0;
+        for (std::int64_t t = begin; t < end; ++t) {
+          const auto angles = dihedral_angles(V.row(T(t, 0)), V.row(T(t, 1)), V.row(T(t, 2)), V.row(T(t, 3)));
+          const auto [low, high] = std::minmax_element(angles.begin(), angles.end());
+          smallest[t] = *low * 180 / M_PI;
+          largest = std::max(largest, *high * 180 / M_PI);
+        }
+        return largest;
+      },
+      [](double x, double y) { return std::max(x, y); });
+  auto left = smallest.begin();  // from the largest percentile down, in what lies below the one before
   const auto percentile = [&](double p) {
-    return smallest[static_cast<std::size_t>(p * static_cast<double>(smallest.size() - 1))];
+    const auto at =
+        smallest.begin() + static_cast<std::ptrdiff_t>(p * static_cast<double>(smallest.size() - 1));
+    std::nth_element(smallest.begin(), at, left);
+    left = at;
+    return *at;
   };
-  s.min = smallest.front();
-  s.p01 = percentile(.01);
-  s.p05 = percentile(.05);
+  left = smallest.end();
   s.median = percentile(.5);
+  s.p05 = percentile(.05);
+  s.p01 = percentile(.01);
+  s.min = percentile(0);
   return s;
 }
 

@@ -72,12 +72,7 @@ Result<ImmersionResult> attempt(const Surface& surface, const std::vector<FacePa
   if (tetgen.quality) tetgen.radius_edge = options.radius_edge;
   tetgen.accept_split = true;  // added points leave the boundary like those of the arrangement
   Result<TetgenResult> tets = tetrahedralize_stubbornly(plc, tetgen, context);
-  if (!tets && tetgen.quality && tets.error().code == ErrorCode::unsolved) {
-    tetgen.quality = false;  // the quality pass can make up for it
-    tets = tetrahedralize_stubbornly(plc, tetgen, context);
-  }
   if (!tets) return tets.error();
-  out.refined = tetgen.quality;
   out.tet_mesh_seconds = watch.lap();
 
   context.report("immersion", 0.6, "sheets");

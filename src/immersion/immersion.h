@@ -26,7 +26,8 @@
 namespace overtet {
 
 struct ImmersionOptions {
-  double radius_edge = 2.0;  // of the tet mesh, circumradius over shortest edge; 0: no interior points
+  // Circumradius over shortest edge, where TetGen needs points inside (the quality pass makes them faster).
+  double radius_edge = 2.0;
 
   Status validate() const;
 };
@@ -34,8 +35,7 @@ struct ImmersionOptions {
 struct ImmersionResult {
   TetMesh mesh;  // boundary = the input surface
   Arrangement arrangement;
-  TetMesh cover;         // before the boundary points were moved inside
-  bool refined = false;  // TetGen inserted points for quality
+  TetMesh cover;  // before the boundary points were moved inside
   Index cells = 0, regions = 0, constraints = 0;
   Index winding_max = 0;
   std::int64_t search_nodes = 0;

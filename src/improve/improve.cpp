@@ -2,41 +2,103 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
+#include "kernels/parallel/parallel.h"
+#include "src/improve/passes.h"
+#include "src/improve/refine.h"
 #include "src/tet_complex/local_operations.h"
+#include "src/tet_complex/parts.h"
 
 namespace overtet {
 
 namespace {
 
-// How many tets are worked on between two looks at the clock.
-constexpr int kPollEvery = 64;
-// A pass that leaves more than this part of the bad tets calls for stronger means.
-constexpr double kSlow = 0.9;
-// Sines below this are hopeless for a while: thin layers grow by a factor per pass, they get more passes.
-constexpr double kThin = 1e-3;
-constexpr int kExtraPassesForThin = 40;
-// This many passes in a row that leave nearly all bad tets, with few collapses and insertions, are enough.
-constexpr int kIdlePasses = 3;
-constexpr std::int64_t kIdlePart = 50;
-// Smoothing that gains less, and insertions that gain less, cost more time and tets than they are worth.
-constexpr double kSmoothGain = 1.02;
-constexpr double kInsertGain = 1.2;
+constexpr int kMostParts = 64;  // enough for many threads; every cut costs a little
+// What lies around a cut: so many layers of tets.
+constexpr int kLayers = 2;
+// Refinement may at most multiply the tets by this.
+constexpr std::int64_t kRefinedGrowth = 5;
+// Circumradii over the diagonal divided by this and by the cube root of the number of parts are large.
+constexpr double kLargeTets = 80;
 
-DihedralStatistics statistics(const TetComplex& mesh) {
-  const TetMesh plain = mesh.to_mesh(0);
-  return dihedral_statistics(plain.V, plain.T);
+int parts_for(std::size_t tets, const ImproveOptions& options) {
+  int parts = 1;
+  while (parts < kMostParts && static_cast<std::int64_t>(tets) / (2 * parts) >= options.tets_per_part) parts *= 2;
+  return parts;
 }
 
-struct Bad {
-  double quality;
-  Index tet;
-  TetComplex::Tet corners;  // to see whether the number has been reused since
+struct PartResult {
+  std::int64_t refined = 0;
+  PassesResult passes;
 };
+
+PartResult improve_part(MeshPart& part, const ImproveOptions& options, double seconds,
+                        const RunContext& context) {
+  PartResult result;
+  LocalOperations work(part.complex);
+  part.mark_shared(work);
+  if (options.radius_edge > 0)
+    result.refined =
+        refine(work, options.radius_edge, 0, kRefinedGrowth * part.complex.tet_count() + 1000, context);
+  result.passes = improve_passes(work, options, seconds, context);
+  return result;
+}
+
+// Where nothing is inside yet, tets reach from one side to the other, and every cut is long. So large tets
+// are refined before the mesh is cut; a few vertices are enough.
+std::int64_t refine_large(TetMesh& mesh, const ImproveOptions& options, int parts,
+                          const RunContext& context) {
+  const double diagonal = (mesh.V.colwise().maxCoeff() - mesh.V.colwise().minCoeff()).norm();
+  TetComplex complex(mesh.V, mesh.T);
+  LocalOperations work(complex);
+  const std::int64_t inserted = refine(work, options.radius_edge, diagonal / (kLargeTets * std::cbrt(parts)),
+                                       kRefinedGrowth * complex.tet_count(), context);
+  complex.compact(mesh.surface_vertices);
+  mesh = complex.to_mesh(mesh.surface_vertices);
+  return inserted;
+}
+
+// The tets within kLayers layers around the vertices that several parts share.
+std::vector<Index> around_cuts(const TetMesh& mesh, std::vector<char> near) {
+  std::vector<char> chosen(static_cast<std::size_t>(mesh.T.rows()), 0);
+  for (int layer = 0; layer < kLayers; ++layer) {
+    for (Index t = 0; t < mesh.T.rows(); ++t)
+      for (int k = 0; k < 4; ++k)
+        if (near[mesh.T(t, k)]) chosen[t] = 1;
+    for (Index t = 0; t < mesh.T.rows(); ++t)
+      if (chosen[t])
+        for (int k = 0; k < 4; ++k) near[mesh.T(t, k)] = 1;
+  }
+  std::vector<Index> tets;
+  for (Index t = 0; t < mesh.T.rows(); ++t)
+    if (chosen[t]) tets.push_back(t);
+  return tets;
+}
+
+void add(ImproveResult& sum, const PartResult& part, std::size_t first_pass) {
+  sum.end = std::max(sum.end, part.passes.end);
+  sum.refined += part.refined;
+  const auto& passes = part.passes.passes;
+  if (sum.passes.size() < first_pass + passes.size()) sum.passes.resize(first_pass + passes.size());
+  for (std::size_t i = 0; i < passes.size(); ++i) {
+    ImprovePass& to = sum.passes[first_pass + i];
+    to.worst_sine = to.bad == 0 ? passes[i].worst_sine : std::min(to.worst_sine, passes[i].worst_sine);
+    to.bad += passes[i].bad;
+    to.removed_edges += passes[i].removed_edges;
+    to.flips += passes[i].flips;
+    to.smoothed += passes[i].smoothed;
+    to.collapsed += passes[i].collapsed;
+    to.inserted += passes[i].inserted;
+    to.seconds += passes[i].seconds;
+  }
+}
 
 }  // namespace
 
 Status ImproveOptions::validate() const {
+  if (radius_edge != 0 && !(radius_edge >= 1.2 && radius_edge <= 100))
+    return Error{ErrorCode::usage, "The radius-edge bound must lie between 1.2 and 100, or be 0 for none."};
   if (!(target_degrees > 0 && target_degrees <= 40))
     return Error{ErrorCode::usage, "The target angle must lie between 0 and 40 degrees."};
   if (!(insert_below_degrees >= 0 && insert_below_degrees <= 40))
@@ -45,170 +107,68 @@ Status ImproveOptions::validate() const {
   if (!(growth >= 1)) return Error{ErrorCode::usage, "The allowed growth of the mesh must be at least 1."};
   if (passes < 0) return Error{ErrorCode::usage, "The number of passes must not be negative."};
   if (!(effort >= 0)) return Error{ErrorCode::usage, "The effort of the quality pass must not be negative."};
+  if (tets_per_part < 1) return Error{ErrorCode::usage, "A part of the mesh must have a tet at least."};
   if (!(seconds >= 0)) return Error{ErrorCode::usage, "The time for the quality pass must not be negative."};
   return success();
 }
 
-Result<ImproveResult> improve(TetComplex& mesh, const ImproveOptions& options, const RunContext& context) {
+Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, const RunContext& context) {
   if (auto status = options.validate(); !status.ok()) return status.error();
   if (auto error = context.stop()) return *error;
   const auto begin = RunContext::Clock::now();
-  const auto since = [](RunContext::Clock::time_point t) {
-    return std::chrono::duration<double>(RunContext::Clock::now() - t).count();
+  const auto since_begin = [&] {
+    return std::chrono::duration<double>(RunContext::Clock::now() - begin).count();
   };
   const double budget = std::min(options.seconds, 0.5 * context.seconds_left());
-  const double target = std::sin(options.target_degrees * M_PI / 180);
+  RunContext silent = context;
+  silent.progress = nullptr;
 
   ImproveResult result;
-  result.before = statistics(mesh);
-  LocalOperations work(mesh);
-  const double insert_below =
-      std::sin(std::min(options.insert_below_degrees, options.target_degrees) * M_PI / 180);
-  const auto most_tets =
-      static_cast<std::int64_t>(options.growth * static_cast<double>(mesh.tet_count())) + 100;
-  auto effort_left = static_cast<std::int64_t>(options.effort * static_cast<double>(mesh.tet_count())) + 1000;
-
-  // A tet that resisted is left alone until something at its corners changes or stronger means come.
-  std::int64_t now = 1;
-  std::vector<std::int64_t> touched(mesh.vertex_count(), 0);
-  struct Attempt {
-    std::int64_t time = -1;
-    bool strong = false;
-  };
-  std::vector<Attempt> attempts(mesh.tet_capacity());
-  const auto touch = [&] {
-    ++now;
-    touched.resize(mesh.vertex_count(), 0);
-    for (const Index t : work.changed())
-      for (const Index v : mesh.tet(t)) touched[v] = now;
-    return true;
-  };
-
-  const auto gather = [&](double below) {
-    std::vector<Bad> bad;
-    for (Index t = 0; t < mesh.tet_capacity(); ++t)
-      if (mesh.alive(t) && work.quality(t) < below) bad.push_back({work.quality(t), t, mesh.tet(t)});
-    std::sort(bad.begin(), bad.end(), [](const Bad& x, const Bad& y) {
-      return x.quality != y.quality ? x.quality < y.quality : x.tet < y.tet;
+  result.before = dihedral_statistics(mesh.V, mesh.T);
+  if (const int parts = parts_for(static_cast<std::size_t>(mesh.T.rows()), options);
+      parts > 1 && options.radius_edge > 0)
+    result.refined = refine_large(mesh, options, parts, silent);
+  std::vector<Index> chosen(static_cast<std::size_t>(mesh.T.rows()));
+  std::iota(chosen.begin(), chosen.end(), 0);
+  std::size_t before = 2 * chosen.size();
+  while (!chosen.empty()) {
+    // Where parts are so small that the cuts are everywhere, the second round is in one piece.
+    const int count = chosen.size() <= before / 2 ? parts_for(chosen.size(), options) : 1;
+    before = chosen.size();
+    const std::size_t first_pass = result.passes.size();
+    const std::vector<int> part_of = halve(mesh, chosen, count);
+    std::vector<MeshPart> parts = take_parts(mesh, part_of, count);
+    std::vector<PartResult> results(parts.size());
+    context.report("improve", result.rounds.empty() ? 0 : 0.8,
+                   std::to_string(chosen.size()) + " tets in " + std::to_string(count) + " parts");
+    const double seconds = std::max(0.0, budget - since_begin());
+    parallel_for(count, 1, [&](std::int64_t first, std::int64_t last) {
+      for (std::int64_t p = first; p < last; ++p)
+        results[p] = improve_part(parts[p], options, seconds, silent);
     });
-    return bad;
-  };
-  const auto still = [&](const Bad& b) {
-    return mesh.alive(b.tet) && mesh.tet(b.tet) == b.corners && work.quality(b.tet) < target;
-  };
-
-  static constexpr int kEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
-  bool strong = false;  // collapses and insertions as well
-  std::int64_t weight_before = -1;
-  int extra = 0, idle = 0;
-  double worst_before = 0;
-  result.end = ImproveResult::End::passes_done;
-  for (int pass = 0; pass < options.passes + extra; ++pass) {
-    const auto pass_begin = RunContext::Clock::now();
-    std::vector<Bad> bad = gather(target);
-    ImprovePass record;
-    record.bad = static_cast<std::int64_t>(bad.size());
-    if (bad.empty()) {
-      result.end = ImproveResult::End::target_reached;
-      break;
+    if (context.cancel && context.stop()) return *context.stop();
+    for (const PartResult& part : results) add(result, part, first_pass);
+    result.rounds.push_back(count);
+    std::vector<char> at_cut(static_cast<std::size_t>(mesh.V.rows()), 0);
+    if (count > 1) {
+      std::vector<int> owner(at_cut.size(), -1);
+      for (Index t = 0; t < mesh.T.rows(); ++t)
+        for (int k = 0; k < 4; ++k) {
+          const Index v = mesh.T(t, k);
+          if (part_of[t] < 0 || owner[v] == part_of[t]) continue;
+          if (owner[v] >= 0) at_cut[v] = 1;
+          owner[v] = part_of[t];
+        }
     }
-    record.worst_sine = bad.front().quality;
-    if (bad.front().quality < kThin && extra < kExtraPassesForThin) ++extra;
-    context.report("improve", double(pass) / (options.passes + extra),
-                   std::to_string(bad.size()) + " tets below " + std::to_string(int(options.target_degrees)) +
-                       " degrees");
-
-    const bool was_strong = strong;
-    int count = 0;
-    for (const Bad& b : bad) {
-      if (++count % kPollEvery == 0) {
-        if (context.cancel && context.stop()) return *context.stop();
-        if (since(begin) > budget) {
-          result.end = ImproveResult::End::time_over;
-          break;
-        }
-      }
-      if (!still(b)) continue;
-      const auto c = b.corners;
-      if (b.tet < static_cast<Index>(attempts.size())) {
-        const Attempt& last = attempts[b.tet];
-        if ((last.strong || !strong) &&
-            last.time >= std::max({touched[c[0]], touched[c[1]], touched[c[2]], touched[c[3]]}))
-          continue;
-      }
-      if (--effort_left < 0) {
-        result.end = ImproveResult::End::effort_spent;
-        break;
-      }
-      bool done = false;
-      for (const auto& e : kEdges) {
-        if (done) break;
-        if (work.fixed(c[e[0]]) && work.fixed(c[e[1]]) && mesh.edge_on_boundary(c[e[0]], c[e[1]])) continue;
-        if (work.remove_edge(b.tet, c[e[0]], c[e[1]])) {
-          ++record.removed_edges;
-          done = touch();
-        }
-      }
-      for (int k = 0; k < 4 && !done; ++k)
-        if (work.flip_23(b.tet, k)) {
-          ++record.flips;
-          done = touch();
-        }
-      if (done) continue;
-      for (const Index v : c)
-        if (still(b) && work.smooth(v, kSmoothGain)) {
-          ++record.smoothed;
-          touch();
-        }
-      if (still(b) && (strong || b.quality < kThin)) {
-        for (const auto& e : kEdges) {
-          if (done) break;
-          if (work.collapse(c[e[0]], c[e[1]]) || work.collapse(c[e[1]], c[e[0]])) {
-            ++record.collapsed;
-            done = touch();
-          }
-        }
-        if (!done && strong && options.insert_vertices && work.quality(b.tet) < insert_below &&
-            mesh.tet_count() < most_tets) {
-          for (const auto& e : kEdges)
-            if (!done && work.insert_at_edge(b.tet, c[e[0]], c[e[1]], kInsertGain)) done = true;
-          if (!done) done = work.insert_at_tet(b.tet, kInsertGain);
-          if (done) {
-            ++record.inserted;
-            touch();
-          }
-        }
-      }
-      if (!done && still(b)) {
-        attempts.resize(mesh.tet_capacity());
-        attempts[b.tet] = {now, strong};
-      }
-    }
-    record.seconds = since(pass_begin);
-    result.passes.push_back(record);
-    if (result.end == ImproveResult::End::time_over || result.end == ImproveResult::End::effort_spent) break;
-    const std::int64_t changes =
-        record.removed_edges + record.flips + record.smoothed + record.collapsed + record.inserted;
-    const bool slow = weight_before >= 0 && double(record.bad) > kSlow * double(weight_before);
-    weight_before = record.bad;
-    if (was_strong && changes == 0) {
-      result.end = ImproveResult::End::no_progress;
-      break;
-    }
-    if (slow || changes == 0) strong = true;
-    // What is left are tets that the boundary itself makes thin; the worst of all are over with.
-    const bool worst_grows = record.worst_sine < kThin && record.worst_sine > 1.5 * worst_before;
-    worst_before = record.worst_sine;
-    idle = was_strong && slow && !worst_grows && record.inserted + record.collapsed < record.bad / kIdlePart
-               ? idle + 1
-               : 0;
-    if (idle >= kIdlePasses) {
-      result.end = ImproveResult::End::no_progress;
-      break;
-    }
+    const std::vector<Index> number = put_parts(mesh, part_of, parts);
+    if (count == 1) break;
+    std::vector<char> near(static_cast<std::size_t>(mesh.V.rows()), 0);
+    for (std::size_t v = 0; v < at_cut.size(); ++v)
+      if (at_cut[v]) near[number[v]] = 1;
+    chosen = around_cuts(mesh, std::move(near));
   }
-  result.after = statistics(mesh);
-  result.seconds = since(begin);
+  result.after = dihedral_statistics(mesh.V, mesh.T);
+  result.seconds = since_begin();
   return result;
 }
 

@@ -1,14 +1,19 @@
 // Makes the tets of a valid mesh fit for simulation without touching its boundary.
 //
-// What it does, worst tets first: edge removal and 2-3 flips, optimisation of vertex positions (the worst
-// dihedral sine of the star), contraction of interior edges, insertion of vertices into cavities, in the
-// manner of Klingner and Shewchuk, "Aggressive Tetrahedral Mesh Improvement" (2008). Every change makes
-// the worst of the tets that it replaces better, so the pass never makes a mesh worse.
+// What it does: first Delaunay refinement of the inside (refine.h); then, worst tets first, edge removal and
+// 2-3 flips, optimisation of vertex positions (the worst dihedral sine of the star), contraction of interior
+// edges, insertion of vertices into cavities, in the manner of Klingner and Shewchuk, "Aggressive Tetrahedral
+// Mesh Improvement" (2008). Every change makes the worst of the tets that it replaces better, so the pass
+// never makes a mesh worse.
 //
 // Guaranteed: see src/tet_complex/local_operations.h; in short, boundary vertices, edges and faces stay as
 // they are, every tet stays exactly positive, interior edges keep their one turn, also at each moment in
 // between: the mesh is valid whenever this stops.
-// Same mesh and options, same result; one thread. (Only the time limit can break this.)
+//
+// A large mesh is cut into parts (src/tet_complex/parts.h) that are worked on at the same time; then what
+// lies around the cuts is, in parts of its own, until there is one part only. How many parts depends on the
+// number of tets, not on that of threads: same mesh and options, same result. (Only a time limit can break
+// this.)
 #pragma once
 
 #include <vector>
@@ -16,19 +21,23 @@
 #include "kernels/tet_energy/tet_quality.h"
 #include "overtet/result.h"
 #include "overtet/run_context.h"
-#include "src/tet_complex/tet_complex.h"
+#include "overtet/types.h"
 
 namespace overtet {
 
 struct ImproveOptions {
+  // Circumradius over shortest edge that refinement aims at; 0: no refinement.
+  double radius_edge = 2.0;
   double target_degrees = 15;  // tets with a dihedral angle below this, or above 180 - this, are worked on
   int passes = 12;             // over the bad tets
   bool insert_vertices = true;
   double insert_below_degrees = 10;  // vertices are inserted for tets this bad only
-  double growth = 1.5;               // at most this many times the tets given
-  // At most this many times the tets given are worked on, so that needles of the boundary that nothing can
-  // improve cost a bounded effort. A count and not a time: the result must not depend on the machine.
+  double growth = 1.5;               // at most this many times the tets that refinement leaves
+  // At most this many times the tets of a part are worked on, so that needles of the boundary that nothing
+  // can improve cost a bounded effort. A count and not a time: the result must not depend on the machine.
   double effort = 4;
+  // A mesh of more than twice as many is cut into parts.
+  std::int64_t tets_per_part = 40000;
   // Of wall time, where the caller wants one; at most half of what the context has left is used.
   double seconds = 1e9;
 
@@ -44,15 +53,18 @@ struct ImprovePass {
 
 struct ImproveResult {
   enum class End { target_reached, no_progress, passes_done, effort_spent, time_over };
-  End end = End::passes_done;
+  End end = End::target_reached;  // of the part that ended worst
   DihedralStatistics before, after;
-  std::vector<ImprovePass> passes;
+  std::int64_t refined = 0;  // vertices that refinement inserted
+  std::vector<ImprovePass>
+      passes;               // of all parts together: the n-th passes of a round of parts in one record
+  std::vector<int> rounds;  // the number of parts in each round
   double seconds = 0;
 };
 
-// Works in place. Vertices that lose all their tets stay in the list until compact().
+// Works in place. The surface's vertices keep their numbers; others that no tet needs any more are dropped.
 // Errors: usage (options), interrupted, limit (the context's deadline had passed on entry).
 // pre: every tet positive.
-Result<ImproveResult> improve(TetComplex& mesh, const ImproveOptions& options, const RunContext& context);
+Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, const RunContext& context);
 
 }  // namespace overtet

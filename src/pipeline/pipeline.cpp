@@ -242,8 +242,7 @@ Result<TetMesh> Run::mesh_immersed() {
     if (Status s = save("arrangement", Surface{x.arrangement.V, x.arrangement.F}); !s) return s.error();
     if (Status s = save("cover", x.cover); !s) return s.error();
     record.iterations = x.search_nodes;
-    record.figures = {{"refined", x.refined},
-                      {"cells", std::int64_t{x.cells}},
+    record.figures = {{"cells", std::int64_t{x.cells}},
                       {"regions", std::int64_t{x.regions}},
                       {"winding_max", std::int64_t{x.winding_max}},
                       {"boundary_points", std::int64_t{x.boundary_points}},
@@ -265,13 +264,6 @@ Result<TetMesh> Run::mesh_clean() {
     TetgenOptions options;
     options.quality = worth_refining(surface_.V, surface_.F);
     Result<TetgenResult> tets = tetrahedralize_stubbornly(plc, options, context_);
-    if (!tets && tets.error().code == ErrorCode::unsolved) {
-      context_.note(LogLevel::info,
-                    "TetGen with quality refinement: " + tets.error().message + " Trying without.");
-      options.quality = false;
-      tets = tetrahedralize(plc, options, context_);
-    }
-    record.figures.emplace_back("refined", options.quality);
     if (!tets) return tets.error();
     TetMesh mesh;
     mesh.V = std::move(tets.value().V);
@@ -287,15 +279,15 @@ TetMesh Run::improved(const TetMesh& mesh) {
   if (options_.improve_degrees <= 0) return mesh;
   TetMesh better = mesh;
   const Status done = stage("improve", [&](StageRecord& record) -> Status {
-    TetComplex complex(mesh.V, mesh.T);
     ImproveOptions options;
     options.target_degrees = options_.improve_degrees;
-    Result<ImproveResult> r = improve(complex, options, context_);
+    Result<ImproveResult> r = improve(better, options, context_);
     if (!r) return r.error();
-    complex.compact(mesh.surface_vertices);
-    better = complex.to_mesh(mesh.surface_vertices);
-    record.iterations = static_cast<std::int64_t>(r.value().passes.size());
-    record.figures.emplace_back("tets", std::int64_t{better.T.rows()});
+    const ImproveResult& x = r.value();
+    record.iterations = static_cast<std::int64_t>(x.passes.size());
+    record.figures = {{"refined_vertices", x.refined},
+                      {"parts", std::int64_t{x.rounds.empty() ? 0 : x.rounds.front()}},
+                      {"tets", std::int64_t{better.T.rows()}}};
     return success();
   });
   return done ? better : mesh;

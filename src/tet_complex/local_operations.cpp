@@ -22,6 +22,8 @@ constexpr int kMostActive = 5;
 constexpr int kMostHalvings = 10;
 constexpr int kMostGrowth = 10;
 constexpr std::size_t kLargestCavity = 60;
+constexpr std::size_t kLargestDelaunayCavity = 20000;
+constexpr int kLongestWalk = 100;
 
 // The point of the convex hull of up to kMostActive vectors that is nearest to the origin. It lies on a
 // corner, an edge or a triangle unless the origin is inside.
@@ -89,14 +91,71 @@ LocalOperations::Face LocalOperations::inner_face(Index t, int k) const {
   return {c[kInner[k][0]], c[kInner[k][1]], c[kInner[k][2]]};
 }
 
-void LocalOperations::commit(const Tets& removed) {
-  mesh_.replace(removed, added_, changed_);
-  quality_.resize(mesh_.tet_capacity(), 0);
-  tet_mark_.resize(mesh_.tet_capacity(), 0);
-  for (const Index t : changed_) {
+void LocalOperations::refresh(std::span<const Index> tets) {
+  for (const Index t : tets) {
     const auto& c = mesh_.tet(t);
     quality_[t] = quality_of(c[0], c[1], c[2], c[3]);
   }
+  forget_spheres(tets);
+}
+
+void LocalOperations::forget_spheres(std::span<const Index> tets) {
+  if (spheres_.empty()) return;
+  for (const Index t : tets) spheres_[t].squared_radius = -1;
+}
+
+void LocalOperations::share(Index v, bool pinched) {
+  if (shared_.empty()) shared_.assign(mesh_.vertex_count(), 0);
+  fixed_[v] = 1;
+  shared_[v] = pinched ? 2 : 1;
+}
+
+bool LocalOperations::respects_shared(const Tets& removed) const {
+  if (shared_.empty()) return true;
+  // A vertex without tets is the one that this operation inserts: no other part knows it.
+  const auto is_old = [&](Index v) { return mesh_.tet_of(v) >= 0; };
+  const auto kind = [&](Index v) { return v < static_cast<Index>(shared_.size()) ? shared_[v] : char{0}; };
+  const auto known = [&](const Index* v, int n) {
+    return std::any_of(removed.begin(), removed.end(), [&](Index t) {
+      const auto& c = mesh_.tet(t);
+      return std::all_of(v, v + n, [&](Index x) { return std::find(c.begin(), c.end(), x) != c.end(); });
+    });
+  };
+  for (const auto& c : added_) {
+    int of_shared = 0, of_pinched = 0;
+    for (const Index v : c) {
+      of_shared += kind(v) > 0;
+      of_pinched += kind(v) > 1;
+    }
+    if (of_shared < 2 && of_pinched == 0) continue;
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < i; ++j) {
+        const Index edge[2] = {c[i], c[j]};
+        const bool pinched = std::max(kind(c[i]), kind(c[j])) > 1 && is_old(c[i]) && is_old(c[j]);
+        if (((kind(c[i]) && kind(c[j])) || pinched) && !known(edge, 2)) return false;
+      }
+    for (int k = 0; k < 4; ++k) {
+      const Index face[3] = {c[(k + 1) % 4], c[(k + 2) % 4], c[(k + 3) % 4]};
+      int in_shared = 0, in_pinched = 0, old = 0;
+      for (const Index v : face) {
+        in_shared += kind(v) > 0;
+        in_pinched += kind(v) > 1;
+        old += is_old(v);
+      }
+      if ((in_shared == 3 || (in_pinched > 0 && old == 3)) && !known(face, 3)) return false;
+    }
+  }
+  return true;
+}
+
+bool LocalOperations::commit(const Tets& removed) {
+  if (!respects_shared(removed)) return false;
+  mesh_.replace(removed, added_, changed_);
+  quality_.resize(mesh_.tet_capacity(), 0);
+  tet_mark_.resize(mesh_.tet_capacity(), 0);
+  if (!spheres_.empty()) spheres_.resize(mesh_.tet_capacity());
+  refresh(changed_);
+  return true;
 }
 
 // ---------------------------------------------------------------------------------------------- splits
@@ -120,8 +179,7 @@ bool LocalOperations::split_edge(Index a, Index b, const Vector3d& p) {
     added_.push_back({a, v, link_[i], link_[(i + 1) % n]});
     added_.push_back({v, b, link_[i], link_[(i + 1) % n]});
   }
-  commit(ring_);
-  return true;
+  return commit(ring_);
 }
 
 bool LocalOperations::split_face(Index t, int k, const Vector3d& p) {
@@ -139,8 +197,7 @@ bool LocalOperations::split_face(Index t, int k, const Vector3d& p) {
   vertex_mark_.push_back(0);
   added_.clear();
   for (const Face& f : faces_) added_.push_back({f[0], f[1], f[2], v});
-  commit(cavity_);
-  return true;
+  return commit(cavity_);
 }
 
 bool LocalOperations::split_tet(Index t, const Vector3d& p) {
@@ -154,8 +211,7 @@ bool LocalOperations::split_tet(Index t, const Vector3d& p) {
   vertex_mark_.push_back(0);
   added_.clear();
   for (const Face& f : faces_) added_.push_back({f[0], f[1], f[2], v});
-  commit(cavity_);
-  return true;
+  return commit(cavity_);
 }
 
 // ----------------------------------------------------------------------------------------------- flips
@@ -176,8 +232,7 @@ bool LocalOperations::flip_23(Index t, int k) {
   added_.clear();
   for (int i = 0; i < 3; ++i) added_.push_back({f[i], f[(i + 1) % 3], e, d});
   cavity_ = {t, u};
-  commit(cavity_);
-  return true;
+  return commit(cavity_);
 }
 
 bool LocalOperations::remove_edge(Index t, Index a, Index b) {
@@ -248,8 +303,7 @@ bool LocalOperations::remove_edge(Index t, Index a, Index b) {
     // Three edges that are there already may also bound a face that is there already.
     if (n == 3 && mesh_.tet_with_face(link_[0], link_[1], link_[2]) >= 0) return false;
     if (!clean) continue;
-    commit(ring_);
-    return true;
+    return commit(ring_);
   }
   return false;
 }
@@ -311,8 +365,7 @@ bool LocalOperations::collapse(Index v, Index w, double enough) {
       }
     }
   }
-  commit(star_);
-  return true;
+  return commit(star_);
 }
 
 // ------------------------------------------------------------------------------------------- smoothing
@@ -451,10 +504,7 @@ bool LocalOperations::smooth(Index v, double gain) {
   const double after = optimise(x, before, 6);
   if (!(after > before * gain)) return false;
   mesh_.move(v, x);
-  for (const Index t : star_) {
-    const auto& c = mesh_.tet(t);
-    quality_[t] = quality_of(c[0], c[1], c[2], c[3]);
-  }
+  refresh(star_);
   changed_ = star_;
   return true;
 }
@@ -475,10 +525,7 @@ bool LocalOperations::move_towards(Index v, const Vector3d& target) {
   }
   if (best == from) return false;
   mesh_.move(v, best);
-  for (const Index t : star_) {
-    const auto& c = mesh_.tet(t);
-    quality_[t] = quality_of(c[0], c[1], c[2], c[3]);
-  }
+  refresh(star_);
   changed_ = star_;
   return true;
 }
@@ -501,6 +548,7 @@ bool LocalOperations::place(Index v, const Vector3d& p) {
     }
     return false;
   }
+  forget_spheres(star_);
   changed_ = star_;
   return true;
 }
@@ -527,6 +575,7 @@ bool LocalOperations::place_all(std::span<const Index> vertices, std::span<const
     return false;
   }
   for (std::size_t i = 0; i < tets.size(); ++i) quality_[tets[i]] = quality[i];
+  forget_spheres(tets);
   changed_.assign(tets.begin(), tets.end());
   return true;
 }
@@ -643,6 +692,10 @@ bool LocalOperations::insert(Tets& cavity, const Vector3d& start, double gain) {
   load_bases();
   q = optimise(x, quality_at(x, 0), 6);
   if (!(q > old_worst * gain)) return false;
+  return fill(cavity, x);
+}
+
+bool LocalOperations::fill(const Tets& cavity, const Vector3d& x) {
   // Seen from x the cavity's boundary must fill the sphere once; in a mesh that overlaps itself it might
   // do so twice, and then the old tets were no embedded cavity.
   double angle = 0;
@@ -654,8 +707,7 @@ bool LocalOperations::insert(Tets& cavity, const Vector3d& start, double gain) {
   vertex_mark_.push_back(0);
   added_.clear();
   for (const Face& f : hull_) added_.push_back({f[0], f[1], f[2], v});
-  commit(cavity);
-  return true;
+  return commit(cavity);
 }
 
 bool LocalOperations::insert_at_edge(Index t, Index a, Index b, double gain) {
@@ -671,6 +723,116 @@ bool LocalOperations::insert_at_tet(Index t, double gain) {
   return insert(
       cavity_,
       (mesh_.position(c[0]) + mesh_.position(c[1]) + mesh_.position(c[2]) + mesh_.position(c[3])) / 4, gain);
+}
+
+// ------------------------------------------------------------------------------------------ refinement
+
+namespace {
+
+// The smallest sphere through a triangle's corners contains x.
+bool in_smallest_sphere(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& x) {
+  const Vector3d u = b - a, v = c - a, n = u.cross(v);
+  const Vector3d out = (u.squaredNorm() * v.cross(n) + v.squaredNorm() * n.cross(u)) / (2 * n.squaredNorm());
+  return (x - a - out).squaredNorm() < out.squaredNorm();
+}
+
+}  // namespace
+
+const LocalOperations::Sphere& LocalOperations::circumsphere(Index t) {
+  if (spheres_.empty()) spheres_.resize(mesh_.tet_capacity());
+  Sphere& s = spheres_[t];
+  if (s.squared_radius >= 0) return s;
+  const auto& corner = mesh_.tet(t);
+  const Vector3d& a = mesh_.position(corner[0]);
+  const Vector3d u = mesh_.position(corner[1]) - a, v = mesh_.position(corner[2]) - a,
+                 w = mesh_.position(corner[3]) - a, vw = v.cross(w);
+  const Vector3d out =
+      (u.squaredNorm() * vw + v.squaredNorm() * w.cross(u) + w.squaredNorm() * u.cross(v)) / (2 * u.dot(vw));
+  s.centre = a + out;
+  s.squared_radius = out.squaredNorm();
+  return s;
+}
+
+double LocalOperations::squared_radius_edge(Index t) {
+  return circumsphere(t).squared_radius / squared_shortest_edge(t);
+}
+
+double LocalOperations::squared_shortest_edge(Index t) const {
+  const auto& c = mesh_.tet(t);
+  const Vector3d &p = mesh_.position(c[0]), &q = mesh_.position(c[1]), &r = mesh_.position(c[2]),
+                 &s = mesh_.position(c[3]);
+  return std::min({(p - q).squaredNorm(), (p - r).squaredNorm(), (p - s).squaredNorm(), (q - r).squaredNorm(),
+                   (q - s).squaredNorm(), (r - s).squaredNorm()});
+}
+
+bool LocalOperations::insert_circumcentre(Index t) {
+  const Vector3d x = circumsphere(t).centre;
+  const double room = squared_shortest_edge(t);
+  if (!x.allFinite()) return false;
+
+  // The tet that contains x, in the complex: from tet to tet across faces that x is beyond.
+  const auto sees = [&](const Face& f) {
+    const Vector3d& a = mesh_.position(f[0]);
+    return (mesh_.position(f[1]) - a).cross(mesh_.position(f[2]) - a).dot(x - a) > 0;
+  };
+  Index at = t, from = -1;
+  for (int step = 0;; ++step) {
+    if (step == kLongestWalk) return false;
+    Index beyond = at;
+    for (int k = 0; k < 4 && beyond == at; ++k)
+      if (const Index u = mesh_.neighbour(at, k); u != from && !sees(inner_face(at, k))) beyond = u;
+    if (beyond < 0) return false;
+    if (beyond == at) break;
+    from = at;
+    at = beyond;
+  }
+
+  cavity_ = {at};
+  const std::uint32_t inside = ++tet_stamp_;
+  tet_mark_[at] = inside;
+  for (std::size_t i = 0; i < cavity_.size(); ++i) {
+    if (cavity_.size() > kLargestDelaunayCavity) return false;
+    for (const Index v : mesh_.tet(cavity_[i]))
+      if ((mesh_.position(v) - x).squaredNorm() < room) return false;
+    for (int k = 0; k < 4; ++k) {
+      const Index u = mesh_.neighbour(cavity_[i], k);
+      if (u < 0) {
+        const Face f = inner_face(cavity_[i], k);
+        if (in_smallest_sphere(mesh_.position(f[0]), mesh_.position(f[1]), mesh_.position(f[2]), x))
+          return false;
+        continue;
+      }
+      if (tet_mark_[u] == inside) continue;
+      const Sphere& s = circumsphere(u);
+      if (!((x - s.centre).squaredNorm() < s.squared_radius)) continue;
+      tet_mark_[u] = inside;
+      cavity_.push_back(u);
+    }
+  }
+  if (tet_mark_[t] != inside) return false;
+  // Tets with a face that x does not see stay, until x sees all of the hull.
+  for (bool shrunk = true; shrunk;) {
+    shrunk = false;
+    std::size_t kept = 0;
+    for (const Index u : cavity_) {
+      bool visible = true;
+      for (int k = 0; k < 4 && visible; ++k) {
+        const Index w = mesh_.neighbour(u, k);
+        if (w >= 0 && tet_mark_[w] == inside) continue;
+        const Face f = inner_face(u, k);
+        visible = min_dihedral_sine(mesh_.position(f[0]), mesh_.position(f[1]), mesh_.position(f[2]), x) > 0;
+      }
+      if (visible) {
+        cavity_[kept++] = u;
+      } else {
+        tet_mark_[u] = 0;
+        shrunk = true;
+      }
+    }
+    cavity_.resize(kept);
+  }
+  if (tet_mark_[t] != inside || !hull_of(cavity_, hull_)) return false;
+  return fill(cavity_, x);
 }
 
 }  // namespace overtet

@@ -38,6 +38,10 @@ class LocalOperations {
   double quality(Index t) const { return quality_[t]; }  // min_dihedral_sine
   bool fixed(Index v) const { return fixed_[v] != 0; }   // on the boundary (or pinned)
   void pin(Index v) { fixed_[v] = 1; }                   // treat an interior vertex like a boundary one
+  // v is fixed and belongs to tets outside this complex as well: no operation makes an edge or a face between
+  // shared vertices that was not there, so that it cannot be there twice in the whole. With `pinched` (tets
+  // of this complex around v, or around an edge of it, hang together outside only) no edge to v either.
+  void share(Index v, bool pinched);
   // New or changed tets of the last operation that returned true.
   const std::vector<Index>& changed() const { return changed_; }
   // When false, no operation makes an interior edge between two fixed vertices. Default: allowed.
@@ -63,6 +67,11 @@ class LocalOperations {
   // better by the factor `gain`.
   bool insert_at_edge(Index t, Index a, Index b, double gain = 1.001);
   bool insert_at_tet(Index t, double gain = 1.001);
+  // Delaunay refinement (Shewchuk 1998): a new vertex at the centre of t's circumsphere, instead of the tets
+  // around it whose circumspheres contain it. False where the boundary is in the way, where the centre lies
+  // in a boundary face's smallest sphere or nearer to a vertex than t's shortest edge is long, and where t
+  // would stay. No criterion of quality: what it bounds is the circumradius over the shortest edge.
+  bool insert_circumcentre(Index t);
 
   // Moves the free vertex v so that the worst tet of its star gets better by at least the factor `gain`.
   bool smooth(Index v, double gain = 1.001);
@@ -77,6 +86,13 @@ class LocalOperations {
   bool place_all(std::span<const Index> vertices, std::span<const Eigen::Vector3d> positions,
                  std::span<const Index> tets);
 
+  struct Sphere {
+    Eigen::Vector3d centre;
+    double squared_radius = -1;  // < 0: not known
+  };
+  const Sphere& circumsphere(Index t);  // rounded; not finite for tets that are too flat
+  double squared_radius_edge(Index t);  // the square of the circumradius over the shortest edge, of t
+
   static constexpr int kLargestRing = 10;
 
  private:
@@ -86,10 +102,16 @@ class LocalOperations {
     Eigen::Vector3d a, b, c;
   };
 
-  // Replaces and keeps the tables; pre: every added tet is positive.
-  void commit(const Tets& removed);
+  // Replaces the tets by added_ and keeps the tables; false when what is shared forbids it.
+  // pre: every added tet is positive.
+  bool commit(const Tets& removed);
+  bool respects_shared(const Tets& removed) const;
+  // What is known about tets that have changed.
+  void refresh(std::span<const Index> tets);
+  void forget_spheres(std::span<const Index> tets);
   double worst(const Tets& tets) const;
   double quality_of(Index a, Index b, Index c, Index d) const;
+  double squared_shortest_edge(Index t) const;
   Face inner_face(Index t, int k) const;
   void load_bases();  // bases_ from faces_
   // The worst tet that x makes with bases_; stops (with some value <= stop) when it is not above stop.
@@ -98,12 +120,15 @@ class LocalOperations {
   double optimise(Eigen::Vector3d& x, double q, int rounds);
   // Replaces the cavity (grown first) by a new vertex that sees its faces; starts looking at `start`.
   bool insert(Tets& cavity, const Eigen::Vector3d& start, double gain);
+  bool fill(const Tets& cavity, const Eigen::Vector3d& x);  // tets from hull_ to a new vertex; pre: x sees it
   bool hull_of(const Tets& cavity, std::vector<Face>& hull);  // false: not a ball with free inside vertices
   bool star_of_free(Index v);                                 // star_ and faces_; false when v is fixed
 
   TetComplex& mesh_;
   std::vector<double> quality_;
+  std::vector<Sphere> spheres_;  // empty until one is asked for
   std::vector<char> fixed_;
+  std::vector<char> shared_;  // empty: no vertex is shared; 2: pinched
   bool fixed_chords_ = true;
   Tets changed_, ring_, star_, other_star_, link_, cavity_;
   std::vector<TetComplex::Tet> added_;

@@ -71,11 +71,19 @@ bool worth_refining(const VertexMatrix& V, const TriangleMatrix& F) {
 
 Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptions& options,
                                                const RunContext& context) {
-  Result<TetgenResult> first = tetrahedralize(plc, options, context);
-  if (first.ok() || first.error().code != ErrorCode::unsolved) return first;
-  for (int number = 1; number < kAttempts; ++number) {
-    Result<TetgenResult> again = attempt(plc, options, context, number);
-    if (again.ok() || again.error().code != ErrorCode::unsolved) return again;
+  TetgenOptions plain = options;
+  plain.quality = false;
+  Result<TetgenResult> first = tetrahedralize(plc, plain, context);
+  const auto settled = [](const Result<TetgenResult>& r) {
+    return r.ok() || r.error().code != ErrorCode::unsolved;
+  };
+  if (settled(first)) return first;
+  for (const bool quality : {true, false}) {
+    if (quality && !options.quality) continue;
+    for (int number = quality ? 0 : 1; number < kAttempts; ++number) {
+      Result<TetgenResult> again = attempt(plc, quality ? options : plain, context, number);
+      if (settled(again)) return again;
+    }
   }
   return first;
 }

@@ -56,9 +56,11 @@ bool worth_refining(const VertexMatrix& V, const TriangleMatrix& F);
 
 Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options, const RunContext& context);
 
-// The same, several times where TetGen fails: whether it finds its way through nearly degenerate facets
-// depends on the order in which it sees the points, so each attempt turns the axes and shuffles the points
-// (always in the same way). The geometry stays the same to the last bit, and so do the promises.
+// The same, several times where TetGen fails. First without points inside, whatever options.quality says:
+// that is fastest, but leaves flat tets where many points lie on a sphere; then with them, if options.quality
+// allows it. Whether TetGen finds its way through nearly degenerate facets depends on the order in which it
+// sees the points too, so the attempts turn the axes and shuffle the points (always in the same way). The
+// geometry stays the same to the last bit, and so do the promises.
 Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptions& options,
                                                const RunContext& context);
 

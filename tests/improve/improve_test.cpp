@@ -4,7 +4,10 @@
 
 #include <atomic>
 #include <random>
+#include <vector>
 
+#include "kernels/parallel/parallel.h"
+#include "src/improve/refine.h"
 #include "src/tet_complex/local_operations.h"
 #include "src/tetgen/tetgen.h"
 #include "tests/support/tet_checks/tet_checks.h"
@@ -13,16 +16,19 @@
 namespace overtet {
 namespace {
 
-TetComplex filled(const Surface& s) {
+TetMesh filled(const Surface& s) {
   TetgenOptions options;
   options.quality = false;
   const auto r = tetrahedralize({s.V, s.F, {}, {}}, options, {});
   EXPECT_TRUE(r.ok());
-  return TetComplex(r.value().V, r.value().T);
+  return {r.value().V, r.value().T, static_cast<Index>(s.V.rows())};
 }
 
+test::FaceSet boundary_of(const TetMesh& mesh) { return test::boundary_faces(TetComplex(mesh.V, mesh.T)); }
+
 // Puts vertices at a tiny height above about half of the boundary faces, several levels deep.
-int squeeze(TetComplex& c, double height, int levels, unsigned seed) {
+int squeeze(TetMesh& mesh, double height, int levels, unsigned seed) {
+  TetComplex c(mesh.V, mesh.T);
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(0.1, 1);
   LocalOperations work(c);
@@ -46,76 +52,134 @@ int squeeze(TetComplex& c, double height, int levels, unsigned seed) {
         break;
       }
     }
+  mesh = c.to_mesh(mesh.surface_vertices);
   return made;
 }
 
+void expect_valid(const TetMesh& mesh) { test::expect_valid(TetComplex(mesh.V, mesh.T)); }
+
 TEST(Improve, RaisesTheSmallestAngleAndLeavesTheBoundary) {
   for (const Surface& s : {test::torus_surface(30, 12, 2, .7), test::sphere_surface(2)}) {
-    TetComplex c = filled(s);
-    const auto boundary = test::boundary_faces(c);
-    ImproveOptions options;
-    options.growth = 20;  // nothing inside yet
-    const auto r = improve(c, options, {});
+    TetMesh mesh = filled(s);
+    const auto boundary = boundary_of(mesh);
+    const auto r = improve(mesh, {}, {});
     ASSERT_TRUE(r.ok()) << r.error().message;
-    test::expect_valid(c);
-    EXPECT_EQ(boundary, test::boundary_faces(c));
-    for (Index v = 0; v < s.V.rows(); ++v) ASSERT_EQ(Eigen::Vector3d(s.V.row(v)), c.position(v));
+    expect_valid(mesh);
+    EXPECT_EQ(boundary, boundary_of(mesh));
+    EXPECT_EQ(s.V, mesh.V.topRows(s.V.rows()));
     EXPECT_GE(r.value().after.min, r.value().before.min);
     EXPECT_GT(r.value().after.min, 5);
     EXPECT_GT(r.value().after.p05, 8);
-    EXPECT_EQ(c.tet_count(), r.value().after.tets);
+    EXPECT_EQ(mesh.T.rows(), r.value().after.tets);
   }
 }
 
 TEST(Improve, MeshThatPassesThroughItself) {
-  const TetMesh mesh = test::bent_grid(6, 600, 0.2, 4);
-  TetComplex c(mesh.V, mesh.T);
-  const auto boundary = test::boundary_faces(c);
-  const auto r = improve(c, {}, {});
-  ASSERT_TRUE(r.ok());
-  test::expect_valid(c);
-  EXPECT_EQ(boundary, test::boundary_faces(c));
-  EXPECT_GT(r.value().after.min, r.value().before.min);
+  for (const std::int64_t tets_per_part : {100000, 200}) {
+    TetMesh mesh = test::bent_grid(6, 600, 0.2, 4);
+    mesh.surface_vertices = static_cast<Index>(mesh.V.rows());  // all keep their numbers
+    const auto boundary = boundary_of(mesh);
+    ImproveOptions options;
+    options.tets_per_part = tets_per_part;
+    const auto r = improve(mesh, options, {});
+    ASSERT_TRUE(r.ok());
+    expect_valid(mesh);
+    EXPECT_EQ(boundary, boundary_of(mesh));
+    EXPECT_GT(r.value().after.min, r.value().before.min);
+  }
 }
 
 TEST(Improve, ThinLayersUnderTheBoundaryGrow) {
   for (const double height : {1e-4, 1e-9}) {
-    TetComplex c = filled(test::torus_surface(24, 12, 2, .7));
-    ASSERT_GT(squeeze(c, height, 2, 9), 300);
-    const auto boundary = test::boundary_faces(c);
-    const auto r = improve(c, {}, {});
+    TetMesh mesh = filled(test::torus_surface(24, 12, 2, .7));
+    ASSERT_GT(squeeze(mesh, height, 2, 9), 300);
+    const auto boundary = boundary_of(mesh);
+    const auto r = improve(mesh, {}, {});
     ASSERT_TRUE(r.ok());
-    test::expect_valid(c);
-    EXPECT_EQ(boundary, test::boundary_faces(c));
+    expect_valid(mesh);
+    EXPECT_EQ(boundary, boundary_of(mesh));
     EXPECT_LT(r.value().before.min, 1e-2);
     EXPECT_GT(r.value().after.min, 5);
     EXPECT_GT(r.value().after.p05, 8);
   }
 }
 
-TEST(Improve, SameInputSameBytes) {
-  TetComplex a = filled(test::torus_surface(24, 12, 2, .7)), b = a;
-  ASSERT_TRUE(improve(a, {}, {}).ok());
-  ASSERT_TRUE(improve(b, {}, {}).ok());
-  const TetMesh x = a.to_mesh(0), y = b.to_mesh(0);
-  EXPECT_EQ(x.T, y.T);
-  EXPECT_EQ(x.V, y.V);
+TEST(Refine, BadRadiiBecomeFewAndTheMeshStaysValid) {
+  for (const TetMesh& mesh : {filled(test::torus_surface(40, 16, 2, .7)), test::bent_grid(4, 600, 0.2, 3)}) {
+    TetComplex c(mesh.V, mesh.T);
+    const auto boundary = test::boundary_faces(c);
+    LocalOperations work(c);
+    // What touches the boundary can have its circumcentre outside.
+    const auto bad = [&] {
+      std::int64_t count = 0;
+      for (Index t = 0; t < c.tet_capacity(); ++t)
+        count += c.alive(t) && work.squared_radius_edge(t) > 1.5 * 1.5;
+      return static_cast<double>(count) / static_cast<double>(c.tet_count());
+    };
+    const double before = bad();
+    const std::int64_t inserted = refine(work, 1.5, 0, 1000000, {});
+    test::expect_valid(c);
+    EXPECT_EQ(boundary, test::boundary_faces(c));
+    EXPECT_LE(bad(), before);
+    if (before > 0.5) {
+      EXPECT_GT(inserted, 20);
+      EXPECT_LT(bad(), 0.8 * before);
+    }
+    const Index vertices = c.vertex_count();
+    EXPECT_LE(refine(work, 1.5, 0, 0, {}), 0);  // no more tets allowed
+    EXPECT_EQ(vertices, c.vertex_count());
+  }
+}
+
+TEST(Improve, InPartsAsGoodAsInOnePiece) {
+  const TetMesh start = filled(test::torus_surface(60, 24, 2, .7));
+  TetMesh whole = start, cut = start;
+  ASSERT_GT(squeeze(whole, 1e-4, 1, 5), 300);
+  cut = whole;
+  const auto boundary = boundary_of(whole);
+  ImproveOptions options;
+  const auto one = improve(whole, options, {});
+  options.tets_per_part = 300;
+  const auto many = improve(cut, options, {});
+  ASSERT_TRUE(one.ok() && many.ok());
+  EXPECT_EQ(std::vector<int>{1}, one.value().rounds);
+  EXPECT_GE(many.value().rounds.front(), 8);
+  EXPECT_EQ(1, many.value().rounds.back());
+  expect_valid(cut);
+  EXPECT_EQ(boundary, boundary_of(cut));
+  EXPECT_GT(many.value().after.min, 0.7 * one.value().after.min);
+  EXPECT_GT(many.value().after.p01, 0.8 * one.value().after.p01);
+}
+
+TEST(Improve, SameBytesOnAnyNumberOfThreads) {
+  const TetMesh start = filled(test::torus_surface(60, 24, 2, .7));
+  ImproveOptions options;
+  options.tets_per_part = 500;
+  TetMesh first;
+  for (const int threads : {1, 2, 5}) {
+    const ScopedThreads scope(threads);
+    TetMesh mesh = start;
+    ASSERT_TRUE(improve(mesh, options, {}).ok());
+    if (threads == 1) first = mesh;
+    EXPECT_EQ(first.T, mesh.T);
+    EXPECT_EQ(first.V, mesh.V);
+  }
 }
 
 TEST(Improve, OptionsCancelAndTime) {
-  TetComplex c = filled(test::sphere_surface(2));
+  TetMesh mesh = filled(test::sphere_surface(2));
   ImproveOptions options;
   options.target_degrees = 60;
-  EXPECT_EQ(ErrorCode::usage, improve(c, options, {}).error().code);
+  EXPECT_EQ(ErrorCode::usage, improve(mesh, options, {}).error().code);
   options = {};
   options.seconds = 0;
-  const auto r = improve(c, options, {});
+  const auto r = improve(mesh, options, {});
   ASSERT_TRUE(r.ok());
-  test::expect_valid(c);
+  expect_valid(mesh);
   std::atomic<bool> cancel = true;
   RunContext context;
   context.cancel = &cancel;
-  EXPECT_EQ(ErrorCode::interrupted, improve(c, {}, context).error().code);
+  EXPECT_EQ(ErrorCode::interrupted, improve(mesh, {}, context).error().code);
 }
 
 }  // namespace

@@ -1,0 +1,60 @@
+#include "src/improve/refine.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace overtet {
+
+namespace {
+
+// A pass that inserts fewer vertices than one for so many tets is the last one.
+constexpr std::int64_t kTetsPerVertex = 2000;
+constexpr int kMostPasses = 40;
+constexpr int kPollEvery = 256;
+
+struct Bad {
+  double ratio;
+  Index tet;
+  TetComplex::Tet corners;  // to see whether the number has been reused since
+};
+
+}  // namespace
+
+std::int64_t refine(LocalOperations& work, double radius_edge, double least_radius, std::int64_t most_tets,
+                    const RunContext& context) {
+  const TetComplex& mesh = work.mesh();
+  std::vector<char> hopeless(mesh.tet_capacity(), 0);  // tried in vain
+  std::int64_t all = 0;
+  for (int pass = 0; pass < kMostPasses; ++pass) {
+    std::vector<Bad> bad;
+    for (Index t = 0; t < mesh.tet_capacity(); ++t) {
+      if (!mesh.alive(t) || hopeless[t]) continue;
+      const double ratio = work.squared_radius_edge(t);
+      if (ratio > radius_edge * radius_edge &&
+          work.circumsphere(t).squared_radius >= least_radius * least_radius)
+        bad.push_back({ratio, t, mesh.tet(t)});
+    }
+    std::sort(bad.begin(), bad.end(), [](const Bad& x, const Bad& y) {
+      return x.ratio != y.ratio ? x.ratio > y.ratio : x.tet < y.tet;
+    });
+    std::int64_t inserted = 0;
+    int count = 0;
+    for (const Bad& b : bad) {
+      if (++count % kPollEvery == 0 && context.stop()) return all + inserted;
+      if (!mesh.alive(b.tet) || mesh.tet(b.tet) != b.corners) continue;
+      if (mesh.tet_count() >= most_tets) return all + inserted;
+      if (!work.insert_circumcentre(b.tet)) {
+        hopeless[b.tet] = 1;
+        continue;
+      }
+      ++inserted;
+      hopeless.resize(mesh.tet_capacity(), 0);
+      for (const Index t : work.changed()) hopeless[t] = 0;
+    }
+    all += inserted;
+    if (inserted * kTetsPerVertex <= mesh.tet_count()) break;
+  }
+  return all;
+}
+
+}  // namespace overtet
