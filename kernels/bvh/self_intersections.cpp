@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "kernels/parallel/grouping.h"
 #include "kernels/predicates/predicates.h"
 
 namespace overtet {
@@ -26,7 +27,14 @@ class FlatVertices {
       std::fill(flat_.begin(), flat_.end(), 0);
       return;
     }
-    list_faces(vertices, static_cast<std::uint32_t>(3 * F.rows()));
+    const std::int64_t faces = F.rows();
+    group_items(vertices, start_, ring_, [&](auto visit) {
+      for (const Index* f = faces_; f != faces_ + 3 * faces; f += 3) {
+        visit(f[0], Sector{f[1], f[2]});
+        visit(f[1], Sector{f[2], f[0]});
+        visit(f[2], Sector{f[0], f[1]});
+      }
+    });
     parallel_for(vertices, kVertexGrain, [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t v = begin; v < end; ++v) {
         // The points of the vertices to come lie anywhere in memory.
@@ -45,41 +53,6 @@ class FlatVertices {
   struct Sector {
     Index next, after;
   };
-
-  // ring_[start_[v] .. start_[v + 1]): of the faces at v, ascending. Each range of vertices is listed by
-  // itself, so that all threads can work; there is one result whatever the ranges are.
-  void list_faces(Index vertices, std::uint32_t corners) {
-    const int ranges = std::clamp(thread_cap(), 1, 64);
-    start_.resize(static_cast<std::size_t>(vertices) + 1);
-    ring_.resize(corners);
-    const auto range = [&](std::int64_t r) { return static_cast<Index>(vertices * r / ranges); };
-    std::vector<std::uint32_t> total(ranges + 1, 0);
-    parallel_for(ranges, 1, [&](std::int64_t r, std::int64_t) {
-      const Index begin = range(r), end = range(r + 1);
-      const std::uint32_t size = static_cast<std::uint32_t>(end - begin);
-      std::fill(start_.begin() + begin, start_.begin() + end, 0);
-      for (std::uint32_t c = 0; c < corners; ++c)
-        if (const std::uint32_t at = static_cast<std::uint32_t>(faces_[c] - begin); at < size)
-          ++start_[begin + at];
-      for (Index v = begin; v < end; ++v) total[r + 1] += start_[v];
-    });
-    for (int r = 0; r < ranges; ++r) total[r + 1] += total[r];
-    start_[vertices] = total[ranges];
-    parallel_for(ranges, 1, [&](std::int64_t r, std::int64_t) {
-      const Index begin = range(r), end = range(r + 1);
-      const std::uint32_t size = static_cast<std::uint32_t>(end - begin);
-      // Ends first, filled from behind: what is left are the starts.
-      std::uint32_t sum = total[r];
-      for (Index v = begin; v < end; ++v) start_[v] = sum += start_[v];
-      for (std::uint32_t c = corners; c > 0;) {
-        c -= 3;
-        for (int k = 2; k >= 0; --k)
-          if (const std::uint32_t at = static_cast<std::uint32_t>(faces_[c + k] - begin); at < size)
-            ring_[--start_[begin + at]] = {faces_[c + (k == 2 ? 0 : k + 1)],
-                                           faces_[c + (k == 0 ? 2 : k - 1)]};
-      }
-    });
-  }
 
   bool is_flat(Index v) const {
     const int n = static_cast<int>(start_[v + 1] - start_[v]);
@@ -145,7 +118,7 @@ class FlatVertices {
   const double* points_;
   const Index* faces_;
   RawVector<std::uint32_t> start_;
-  RawVector<Sector> ring_;
+  RawVector<Sector> ring_;  // ring_[start_[v] .. start_[v + 1]): of the faces at v
   RawVector<std::uint8_t> flat_;
 };
 

@@ -23,7 +23,6 @@
 #include "src/pipeline/unit_box.h"
 #include "src/repair/repair.h"
 #include "src/surface/diagnose.h"
-#include "src/tet_complex/tet_complex.h"
 #include "src/verify/verify.h"
 
 namespace {
@@ -122,11 +121,9 @@ bool run(const std::string& file, const Settings& settings) {
 
   TetMesh improved;
   measure(settings, "improve", [&](const RunContext& context) {
-    TetComplex complex(mapped.V, mapped.T);
-    auto r = improve(complex, {}, context);
+    improved = mapped;
+    auto r = improve(improved, {}, context);
     if (!r) return r.error().message;
-    complex.compact(mapped.surface_vertices);
-    improved = complex.to_mesh(mapped.surface_vertices);
     return text("passes", static_cast<std::int64_t>(r.value().passes.size())) + ", " +
            text("tets", improved.T.rows());
   });

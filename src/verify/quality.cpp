@@ -1,5 +1,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -8,6 +9,43 @@
 #include "src/verify/verify.h"
 
 namespace overtet {
+
+namespace {
+
+// The value at place `nth` of the sorted list, all values in [-1, 1]: counted by all threads into bins, and
+// only the bin that holds it is looked through.
+float nth_smallest(const std::vector<float>& values, std::size_t nth) {
+  constexpr std::int64_t kGrain = 1 << 17;
+  constexpr int kBins = 2048;
+  using Counts = std::array<std::int64_t, kBins>;
+  const auto bin = [](float x) { return std::clamp(static_cast<int>((x + 1) * (kBins / 2)), 0, kBins - 1); };
+  const std::int64_t n = static_cast<std::int64_t>(values.size());
+  const Counts counts = parallel_reduce(
+      n, kGrain, Counts{},
+      [&](std::int64_t begin, std::int64_t end) {
+        Counts c{};
+        for (std::int64_t i = begin; i < end; ++i) ++c[static_cast<std::size_t>(bin(values[i]))];
+        return c;
+      },
+      [](Counts a, const Counts& b) {
+        for (std::size_t i = 0; i < kBins; ++i) a[i] += b[i];
+        return a;
+      });
+  int at = 0;
+  std::int64_t before = 0;
+  while (before + counts[static_cast<std::size_t>(at)] <= static_cast<std::int64_t>(nth))
+    before += counts[static_cast<std::size_t>(at++)];
+  std::vector<float> inside =
+      parallel_collect<float>(n, kGrain, [&](std::int64_t begin, std::int64_t end, std::vector<float>& out) {
+        for (std::int64_t i = begin; i < end; ++i)
+          if (bin(values[i]) == at) out.push_back(values[i]);
+      });
+  const auto wanted = inside.begin() + (static_cast<std::int64_t>(nth) - before);
+  std::nth_element(inside.begin(), wanted, inside.end());
+  return *wanted;
+}
+
+}  // namespace
 
 TetQuality tet_quality(const TetMesh& mesh) {
   constexpr std::int64_t kGrain = 1 << 14;
@@ -46,10 +84,7 @@ TetQuality tet_quality(const TetMesh& mesh) {
     return Extremes{std::min(a.low, b.low), std::max(a.high, b.high), a.volume + b.volume};
   });
   const auto degrees = [](double cosine) { return std::acos(cosine) * 180 / std::numbers::pi; };
-  const auto first_percent =
-      cosines.begin() + static_cast<std::ptrdiff_t>(cosines.size() - 1 - cosines.size() / 100);
-  std::nth_element(cosines.begin(), first_percent, cosines.end());
-  q.dihedral_p01 = degrees(*first_percent);
+  q.dihedral_p01 = degrees(nth_smallest(cosines, cosines.size() - 1 - cosines.size() / 100));
   q.dihedral_min = degrees(all.high);
   q.dihedral_max = degrees(all.low);
   q.volume = all.volume;

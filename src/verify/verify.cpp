@@ -7,6 +7,7 @@
 #include <numeric>
 #include <unordered_map>
 
+#include "kernels/parallel/grouping.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/predicates/predicates.h"
 
@@ -14,17 +15,13 @@ namespace overtet {
 
 namespace {
 
-constexpr std::int64_t kTetGrain = 1 << 14, kVertexGrain = 1 << 12;
+constexpr std::int64_t kTetGrain = 1 << 14, kVertexGrain = 1 << 11;
 constexpr std::size_t kNamed = 4;  // elements named in a message
 
 using Triple = std::array<Index, 3>;
 
 // Corners of the face opposite to corner k, outward.
 constexpr int kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-// Edge e runs from corner 0 to corner 1; seen along it, corner 2 comes before corner 3 counter-clockwise.
-constexpr int kEdge[6][4] = {{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2},
-                             {1, 2, 0, 3}, {1, 3, 2, 0}, {2, 3, 0, 1}};
-
 std::string list(const std::vector<Index>& items, std::size_t width) {
   std::string s;
   for (std::size_t i = 0; i < items.size(); i += width) {
@@ -49,6 +46,12 @@ struct Finding {
     ++count;
     if (first.size() < kNamed * width) (first.push_back(i), ...);
   }
+  void append(const Finding& next) {
+    count += next.count;
+    const std::size_t room = kNamed * width - std::min(first.size(), kNamed * width);
+    first.insert(first.end(), next.first.begin(),
+                 next.first.begin() + static_cast<std::ptrdiff_t>(std::min(room, next.first.size())));
+  }
 };
 
 void report(VerifyResult& r, Rule rule, const Finding& f, const std::string& what) {
@@ -61,100 +64,222 @@ void report(VerifyResult& r, Rule rule, const Finding& f, const std::string& wha
   r.failures.push_back({rule, m + ".", f.count, f.first});
 }
 
-// Items grouped by a vertex: counting sort, so that the order within a group is the order of the items.
-template <class Item>
-struct Groups {
-  std::vector<std::size_t> begin;  // #V + 1
-  std::vector<Item> items;
-
-  template <class Visit>  // visit(emit) calls emit(vertex, item) for every item, twice in the same order
-  void build(Index vertices, const Visit& visit) {
-    begin.assign(static_cast<std::size_t>(vertices) + 2, 0);
-    visit([&](Index v, const Item&) { ++begin[static_cast<std::size_t>(v) + 2]; });
-    std::partial_sum(begin.begin(), begin.end(), begin.begin());
-    items.resize(begin.back());
-    visit([&](Index v, const Item& item) { items[begin[static_cast<std::size_t>(v) + 1]++] = item; });
-    begin.pop_back();
-  }
-  Item* first(Index v) { return items.data() + begin[static_cast<std::size_t>(v)]; }
-  Item* last(Index v) { return items.data() + begin[static_cast<std::size_t>(v) + 1]; }
-};
-
 Triple smallest_first(const Triple& f) {
   if (f[0] <= f[1] && f[0] <= f[2]) return f;
   if (f[1] <= f[0] && f[1] <= f[2]) return {f[1], f[2], f[0]};
   return {f[2], f[0], f[1]};
 }
 
-struct FaceItem {
-  Index middle, largest;
-  std::uint32_t parity : 1, face : 2, unused : 29;
-  Index tet;
-};
-
-struct EdgeItem {
-  Index other;  // the larger end
-  Index tet;
-  std::int32_t edge;  // 0 .. 5
-};
-
-struct Faces {
-  std::vector<Triple> boundary;               // outward, as they stand in their tet
-  std::vector<Index> at_vertex;               // #V: distinct faces that contain the vertex
-  std::vector<char> on_boundary, on_crowded;  // #V: has a face of one tet, of more than two
-  Finding crowded{3}, same_side{3};
-};
-
 Triple corners(const TetMatrix& T, Index t, int face) {
   return {T(t, kFace[face][0]), T(t, kFace[face][1]), T(t, kFace[face][2])};
 }
 
-Faces match_faces(const TetMatrix& T, Index vertices) {
-  Faces out;
-  out.at_vertex.assign(static_cast<std::size_t>(vertices), 0);
-  out.on_boundary.assign(static_cast<std::size_t>(vertices), 0);
-  out.on_crowded.assign(static_cast<std::size_t>(vertices), 0);
-  Groups<FaceItem> groups;
-  groups.build(vertices, [&](auto emit) {
-    for (Index t = 0; t < T.rows(); ++t)
-      for (int k = 0; k < 4; ++k) {
-        Triple f = corners(T, t, k);
-        const int turns = (f[0] < f[1]) + (f[1] < f[2]) + (f[0] < f[2]);
-        std::sort(f.begin(), f.end());
-        emit(f[0], FaceItem{f[1], f[2], static_cast<std::uint32_t>(turns & 1), static_cast<std::uint32_t>(k),
-                            0, t});
+// The tets around one vertex and its link: the triangles opposite to it, turned outwards, with their vertices
+// and edges numbered from 0. Edges of the link are faces of the mesh. Used for one vertex after the other.
+class Star {
+ public:
+  struct Edge {
+    Index a, b;      // vertices of the link, a < b
+    Index place;     // 3 i + k: side k of triangle i, from its corner k to the next, is the first one here
+    Index count;     // sides
+    bool same_side;  // two sides run the same way
+  };
+
+  void read(const TetMatrix& T, Index v, const Index* tets, Index count) {
+    v_ = v;
+    tets_ = tets;
+    triangle_.clear();
+    vertices_.clear();
+    edges_.clear();
+    std::size_t slots = 32;
+    while (slots < 6 * static_cast<std::size_t>(count)) slots *= 2;
+    vertex_at_.assign(slots, -1);
+    edge_at_.assign(slots, -1);
+    for (Index i = 0; i < count; ++i) {
+      int corner = 0;
+      while (T(tets[i], corner) != v) ++corner;
+      Index t[3];
+      for (int k = 0; k < 3; ++k) t[k] = number_vertex(T(tets[i], kFace[corner][k]));
+      for (int k = 0; k < 3; ++k) {
+        triangle_.push_back(t[k]);
+        add_edge(t[k], t[(k + 1) % 3], 3 * i + k);
       }
-  });
-  parallel_for(vertices, kVertexGrain, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t v = begin; v < end; ++v)
-      std::sort(groups.first(static_cast<Index>(v)), groups.last(static_cast<Index>(v)),
-                [](const FaceItem& a, const FaceItem& b) {
-                  if (a.middle != b.middle) return a.middle < b.middle;
-                  if (a.largest != b.largest) return a.largest < b.largest;
-                  return a.tet != b.tet ? a.tet < b.tet : a.face < b.face;
-                });
-  });
-  for (Index v = 0; v < vertices; ++v) {
-    const FaceItem* const last = groups.last(v);
-    for (const FaceItem* a = groups.first(v); a != last;) {
-      const FaceItem* b = a + 1;
-      while (b != last && b->middle == a->middle && b->largest == a->largest) ++b;
-      const Triple f = {v, a->middle, a->largest};
-      for (const Index x : f) ++out.at_vertex[static_cast<std::size_t>(x)];
-      if (b - a == 1) {
-        out.boundary.push_back(corners(T, a->tet, static_cast<int>(a->face)));
-        for (const Index x : f) out.on_boundary[static_cast<std::size_t>(x)] = 1;
-      } else if (b - a > 2) {
-        out.crowded.add(f[0], f[1], f[2]);
-        for (const Index x : f) out.on_crowded[static_cast<std::size_t>(x)] = 1;
-      } else if (a->parity == a[1].parity) {
-        out.same_side.add(f[0], f[1], f[2]);
+    }
+    rim_.assign(vertices_.size(), 0);
+    for (const Edge& e : edges_)
+      if (e.count == 1) ++rim_[e.a], ++rim_[e.b];
+  }
+
+  const std::vector<Edge>& edges() const { return edges_; }
+  // The face of an edge of the link, ascending.
+  Triple face(const Edge& e) const {
+    Triple f = {v_, vertices_[e.a], vertices_[e.b]};
+    std::sort(f.begin(), f.end());
+    return f;
+  }
+  // The same as it stands in its first tet, outwards.
+  Triple outward(const TetMatrix& T, const Edge& e) const {
+    const Index t = tets_[e.place / 3], i = e.place - e.place % 3;
+    const Index opposite = vertices_[triangle_[i + (e.place + 2) % 3]];
+    int corner = 0;
+    while (T(t, corner) != opposite) ++corner;
+    return corners(T, t, corner);
+  }
+  // The vertex is the smallest of the face's: it alone speaks for it.
+  bool owns(const Edge& e) const { return v_ < vertices_[e.a] && v_ < vertices_[e.b]; }
+
+  bool on_boundary() const {
+    return std::any_of(edges_.begin(), edges_.end(), [](const Edge& e) { return e.count == 1; });
+  }
+  // Whether the link is a disc (with a boundary) or a sphere.
+  bool fine() {
+    const Index euler = static_cast<Index>(vertices_.size()) - static_cast<Index>(edges_.size()) +
+                        static_cast<Index>(triangle_.size() / 3);
+    if (euler != (on_boundary() ? 1 : 2)) return false;
+    for (const Edge& e : edges_)
+      if (e.count > 2) return false;
+    // An edge of the boundary has two boundary faces, or the links of its ends are pinched there.
+    for (const Index n : rim_)
+      if (n != 0 && n != 2) return false;
+    // In one piece?
+    parent_.resize(vertices_.size());
+    std::iota(parent_.begin(), parent_.end(), 0);
+    std::size_t pieces = vertices_.size();
+    for (const Edge& e : edges_) {
+      const Index a = root(e.a), b = root(e.b);
+      if (a != b) parent_[std::max(a, b)] = std::min(a, b), --pieces;
+    }
+    return pieces == 1;
+  }
+
+  // visit(other end, turns) for every interior edge from here to a vertex with a larger number, ascending. x:
+  // the coordinates. pre: every tet is positive.
+  template <class Visit>
+  void turns(const double* x, Visit&& visit) {
+    const Index n = static_cast<Index>(vertices_.size());
+    around_begin_.assign(static_cast<std::size_t>(n) + 1, 0);
+    for (const Index t : triangle_) ++around_begin_[t + 1];
+    std::partial_sum(around_begin_.begin(), around_begin_.end(), around_begin_.begin());
+    around_.resize(triangle_.size());
+    for (Index place = static_cast<Index>(triangle_.size()); place-- > 0;)
+      around_[--around_begin_[triangle_[place] + 1]] = place;
+    // around_begin_[i + 1] is now where i begins.
+    order_.clear();
+    for (Index i = 0; i < n; ++i)
+      if (vertices_[i] > v_ && rim_[i] == 0) order_.push_back(i);
+    std::sort(order_.begin(), order_.end(), [&](Index a, Index b) { return vertices_[a] < vertices_[b]; });
+    side_.assign(static_cast<std::size_t>(n), kUnknown);
+    const auto point = [&](Index v) { return x + 3 * static_cast<std::ptrdiff_t>(v); };
+    const double* const from_point = point(v_);
+    for (const Index other : order_) {
+      const Index begin = around_begin_[other + 1],
+                  end = other + 1 < n ? around_begin_[other + 2] : static_cast<Index>(around_.size());
+      const double* const to_point = point(vertices_[other]);
+      const auto wedge = [&](Index place, int k) { return triangle_[place - place % 3 + (place + k) % 3]; };
+      const Index fixed = wedge(around_[begin], 1);
+      const auto side = [&](Index y) {
+        if (side_[y] == kUnknown)
+          side_[y] = static_cast<signed char>(
+              orient3d(from_point, to_point, point(vertices_[y]), point(vertices_[fixed])));
+        return side_[y];
+      };
+      int turns = 0;
+      for (Index i = begin; i < end; ++i) {
+        // The wedge [k, l) is less than half a turn wide.
+        const Index k = wedge(around_[i], 1), l = wedge(around_[i], 2);
+        if ((k == fixed || side(k) >= 0) && l != fixed && side(l) < 0) ++turns;
       }
-      a = b;
+      for (Index i = begin; i < end; ++i)
+        for (int k = 1; k < 3; ++k) side_[wedge(around_[i], k)] = kUnknown;
+      visit(vertices_[other], turns);
     }
   }
-  return out;
-}
+
+ private:
+  static constexpr signed char kUnknown = 2;
+
+  static std::size_t scattered(std::uint64_t key) { return (key * 0x9e3779b97f4a7c15u) >> 32; }
+
+  Index number_vertex(Index v) {
+    const std::size_t mask = vertex_at_.size() - 1;
+    std::size_t slot = scattered(static_cast<std::uint64_t>(v)) & mask;
+    for (; vertex_at_[slot] >= 0; slot = (slot + 1) & mask)
+      if (vertices_[vertex_at_[slot]] == v) return vertex_at_[slot];
+    vertex_at_[slot] = static_cast<Index>(vertices_.size());
+    vertices_.push_back(v);
+    return vertex_at_[slot];
+  }
+
+  void add_edge(Index from, Index to, Index place) {
+    const Index a = std::min(from, to), b = std::max(from, to);
+    const std::size_t mask = edge_at_.size() - 1;
+    std::size_t slot = scattered(static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint64_t>(b)) & mask;
+    for (; edge_at_[slot] >= 0; slot = (slot + 1) & mask) {
+      Edge& e = edges_[edge_at_[slot]];
+      if (e.a != a || e.b != b) continue;
+      ++e.count;
+      e.same_side = e.same_side || triangle_start(e.place) == from;
+      return;
+    }
+    edge_at_[slot] = static_cast<Index>(edges_.size());
+    edges_.push_back({a, b, place, 1, false});
+  }
+  Index triangle_start(Index place) const { return triangle_[place]; }
+
+  Index root(Index i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+
+  Index v_ = 0;
+  const Index* tets_ = nullptr;
+  std::vector<Index> triangle_;  // three a tet, numbers of the link
+  std::vector<Index> vertices_;  // of the mesh
+  std::vector<Edge> edges_;
+  std::vector<Index> rim_;                  // by vertex of the link: boundary edges there
+  std::vector<Index> vertex_at_, edge_at_;  // hash tables with open addressing
+  std::vector<Index> parent_, around_begin_, around_, order_;
+  std::vector<signed char> side_;
+};
+
+// What the stars of a range of vertices show.
+struct Stars {
+  std::vector<Triple> boundary;  // outward, as they stand in their tet
+  Finding crowded{3}, same_side{3}, bad_link, turned{2};
+
+  void read(const TetMatrix& T, const double* x, bool positive, Index v, const Index* tets, Index count,
+            Star& star, std::vector<char>& on_boundary) {
+    if (count == 0) return;
+    star.read(T, v, tets, count);
+    on_boundary[static_cast<std::size_t>(v)] = star.on_boundary();
+    own_.clear();
+    for (const Star::Edge& e : star.edges())
+      if ((e.count != 2 || e.same_side) && star.owns(e)) own_.push_back({star.face(e), &e});
+    std::sort(own_.begin(), own_.end());
+    for (const auto& [f, e] : own_) {
+      if (e->count == 1)
+        boundary.push_back(star.outward(T, *e));
+      else
+        (e->count == 2 ? same_side : crowded).add(f[0], f[1], f[2]);
+    }
+    if (!star.fine()) bad_link.add(v);
+    if (positive)
+      star.turns(x, [&](Index other, int turns) {
+        if (turns != 1) turned.add(v, other);
+      });
+  }
+
+  void append(const Stars& next) {
+    boundary.insert(boundary.end(), next.boundary.begin(), next.boundary.end());
+    crowded.append(next.crowded);
+    same_side.append(next.same_side);
+    bad_link.append(next.bad_link);
+    turned.append(next.turned);
+  }
+
+ private:
+  std::vector<std::pair<Triple, const Star::Edge*>> own_;
+};
 
 // R3 by vertex numbers: both sides as sorted lists of distinct faces.
 void compare_boundary(VerifyResult& r, const Surface& surface, const std::vector<Triple>& boundary) {
@@ -163,7 +288,7 @@ void compare_boundary(VerifyResult& r, const Surface& surface, const std::vector
     want.push_back(smallest_first({surface.F(f, 0), surface.F(f, 1), surface.F(f, 2)}));
   for (const Triple& f : boundary) have.push_back(smallest_first(f));
   for (auto* side : {&want, &have}) {
-    std::sort(side->begin(), side->end());
+    parallel_sort(*side);
     side->erase(std::unique(side->begin(), side->end()), side->end());
   }
   std::vector<Triple> missing, extra;
@@ -232,23 +357,6 @@ void compare_vertices(VerifyResult& r, const Surface& surface, const TetMesh& me
   report(r, Rule::R2, missing, "vertices of the surface are missing");
 }
 
-struct UnionFind {
-  std::vector<std::int32_t> parent;
-  explicit UnionFind(std::size_t n) : parent(n) { std::iota(parent.begin(), parent.end(), 0); }
-  std::int32_t find(std::int32_t i) {
-    while (parent[static_cast<std::size_t>(i)] != i) {
-      auto& p = parent[static_cast<std::size_t>(i)];
-      p = parent[static_cast<std::size_t>(p)];
-      i = p;
-    }
-    return i;
-  }
-  void join(std::int32_t a, std::int32_t b) {
-    a = find(a), b = find(b);
-    if (a != b) parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-  }
-};
-
 }  // namespace
 
 bool VerifyResult::fails(Rule rule) const {
@@ -307,31 +415,63 @@ VerifyResult verify(const Surface& surface, const TetMesh& mesh, const VerifyOpt
   report(r, Rule::R1, unused, "vertices belong to no tet");
   if (stopped()) return r;
 
-  // R2, R3 and the faces of R5
-  const Faces faces = match_faces(T, vertices);
-  r.boundary_faces = static_cast<std::int64_t>(faces.boundary.size());
+  // R4 first: R6 is a question for positive tets.
+  std::vector<signed char> sign(static_cast<std::size_t>(tets), 1);
+  const double* const x = mesh.V.data();
+  const auto point = [&](Index v) { return x + 3 * static_cast<std::ptrdiff_t>(v); };
+  bool positive = infinite.count == 0;
+  if (positive)
+    positive = parallel_reduce(
+        tets, kTetGrain, true,
+        [&](std::int64_t begin, std::int64_t end) {
+          bool all = true;
+          for (std::int64_t t = begin; t < end; ++t) {
+            const int s = orient3d(point(T(t, 0)), point(T(t, 1)), point(T(t, 2)), point(T(t, 3)));
+            sign[static_cast<std::size_t>(t)] = static_cast<signed char>(s);
+            all = all && s > 0;
+          }
+          return all;
+        },
+        [](bool a, bool b) { return a && b; });
+  if (stopped()) return r;
+
+  // What the tets around each vertex show, of a block of vertices at a time.
+  RawVector<std::size_t> star_begin;
+  RawVector<Index> star_tets;
+  group_items(vertices, star_begin, star_tets, [&](auto visit) {
+    for (Index t = 0; t < tets; ++t)
+      for (int k = 0; k < 4; ++k) visit(T(t, k), t);
+  });
+  if (stopped()) return r;
+  std::vector<char> on_boundary(static_cast<std::size_t>(vertices), 0);
+  std::vector<Stars> blocks(static_cast<std::size_t>((vertices + kVertexGrain - 1) / kVertexGrain));
+  parallel_for(vertices, kVertexGrain, [&](std::int64_t begin, std::int64_t end) {
+    Stars& block = blocks[static_cast<std::size_t>(begin / kVertexGrain)];
+    Star star;
+    for (std::int64_t v = begin; v < end; ++v)
+      block.read(T, x, positive, static_cast<Index>(v), star_tets.data() + star_begin[v],
+                 static_cast<Index>(star_begin[v + 1] - star_begin[v]), star, on_boundary);
+  });
+  Stars stars;
+  for (const Stars& block : blocks) stars.append(block);
+  if (stopped()) return r;
+
+  // R2, R3
+  r.boundary_faces = static_cast<std::int64_t>(stars.boundary.size());
   if (options.geometry_only) {
-    compare_boundary_points(r, surface, mesh.V, faces.boundary);
+    compare_boundary_points(r, surface, mesh.V, stars.boundary);
   } else {
     compare_vertices(r, surface, mesh, options.max_move);
-    compare_boundary(r, surface, faces.boundary);
+    compare_boundary(r, surface, stars.boundary);
     Finding added;
     for (Index v = static_cast<Index>(surface.V.rows()); v < vertices; ++v)
-      if (faces.on_boundary[static_cast<std::size_t>(v)]) added.add(v);
+      if (on_boundary[static_cast<std::size_t>(v)]) added.add(v);
     report(r, Rule::R3, added, "added vertices lie on the boundary");
   }
   if (stopped()) return r;
 
   // R4
-  std::vector<signed char> sign(static_cast<std::size_t>(tets));
-  const double* const x = mesh.V.data();
-  const auto point = [&](Index v) { return x + 3 * static_cast<std::ptrdiff_t>(v); };
-  if (infinite.count == 0) {
-    parallel_for(tets, kTetGrain, [&](std::int64_t begin, std::int64_t end) {
-      for (std::int64_t t = begin; t < end; ++t)
-        sign[static_cast<std::size_t>(t)] = static_cast<signed char>(
-            orient3d(point(T(t, 0)), point(T(t, 1)), point(T(t, 2)), point(T(t, 3))));
-    });
+  if (!positive && infinite.count == 0) {
     Finding inverted, flat;
     for (Index t = 0; t < tets; ++t) {
       if (sign[static_cast<std::size_t>(t)] < 0) inverted.add(t);
@@ -340,120 +480,12 @@ VerifyResult verify(const Surface& surface, const TetMesh& mesh, const VerifyOpt
     report(r, Rule::R4, inverted, "tets are inverted");
     report(r, Rule::R4, flat, "tets are flat");
   }
-  const bool positive = infinite.count == 0 && !r.fails(Rule::R4);
-  if (stopped()) return r;
 
-  // R5: edges grouped by their smaller end; equal ones become neighbours.
-  report(r, Rule::R5, faces.crowded, "faces are shared by more than two tets");
-  report(r, Rule::R5, faces.same_side, "shared faces have both tets on the same side");
-  Groups<EdgeItem> edges;
-  edges.build(vertices, [&](auto emit) {
-    for (Index t = 0; t < tets; ++t)
-      for (int e = 0; e < 6; ++e) {
-        const Index a = T(t, kEdge[e][0]), b = T(t, kEdge[e][1]);
-        emit(std::min(a, b), EdgeItem{std::max(a, b), t, e});
-      }
-  });
-  parallel_for(vertices, kVertexGrain, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t v = begin; v < end; ++v)
-      std::sort(edges.first(static_cast<Index>(v)), edges.last(static_cast<Index>(v)),
-                [](const EdgeItem& a, const EdgeItem& b) {
-                  if (a.other != b.other) return a.other < b.other;
-                  return a.tet != b.tet ? a.tet < b.tet : a.edge < b.edge;
-                });
-  });
-  if (stopped()) return r;
-  // Numbers for the distinct edges, and through them one for every (vertex, neighbour): a vertex of the
-  // vertex's link.
-  std::vector<std::int32_t> number(6 * static_cast<std::size_t>(tets));
-  std::vector<std::size_t> edge_begin;  // into edges.items
-  std::vector<Index> low_end, link_vertices(static_cast<std::size_t>(vertices), 0);
-  for (Index v = 0; v < vertices; ++v) {
-    const EdgeItem* const last = edges.last(v);
-    for (const EdgeItem* a = edges.first(v); a != last; ++a) {
-      if (a == edges.first(v) || a->other != a[-1].other) {
-        edge_begin.push_back(static_cast<std::size_t>(a - edges.items.data()));
-        low_end.push_back(v);
-        ++link_vertices[static_cast<std::size_t>(v)];
-        ++link_vertices[static_cast<std::size_t>(a->other)];
-      }
-      number[6 * static_cast<std::size_t>(a->tet) + static_cast<std::size_t>(a->edge)] =
-          static_cast<std::int32_t>(low_end.size() - 1);
-    }
-  }
-  edge_begin.push_back(edges.items.size());
-  UnionFind link(2 * low_end.size());
-  std::vector<Index> link_faces(static_cast<std::size_t>(vertices), 0),
-      components(static_cast<std::size_t>(vertices), 0);
-  for (Index t = 0; t < tets; ++t) {
-    std::int32_t seen[4] = {-1, -1, -1, -1};  // a link vertex of each corner
-    for (int e = 0; e < 6; ++e)
-      for (int end = 0; end < 2; ++end) {
-        const int corner = kEdge[e][end];
-        const Index here = T(t, corner), there = T(t, kEdge[e][1 - end]);
-        const std::int32_t slot =
-            2 * number[6 * static_cast<std::size_t>(t) + static_cast<std::size_t>(e)] + (here > there);
-        if (seen[corner] >= 0) link.join(seen[corner], slot);
-        seen[corner] = slot;
-      }
-    for (int k = 0; k < 4; ++k) ++link_faces[static_cast<std::size_t>(T(t, k))];
-  }
-  for (std::size_t e = 0; e < low_end.size(); ++e)
-    for (std::int32_t side = 0; side < 2; ++side) {
-      const auto slot = static_cast<std::int32_t>(2 * e) + side;
-      if (link.find(slot) == slot)
-        ++components[static_cast<std::size_t>(side ? edges.items[edge_begin[e]].other : low_end[e])];
-    }
-  // How many boundary faces each edge has: none, or two, or the links of its ends are pinched there.
-  std::vector<std::uint8_t> boundary_faces_at(low_end.size(), 0);
-  for (const Triple& f : faces.boundary)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Index a = std::min(f[k], f[(k + 1) % 3]), b = std::max(f[k], f[(k + 1) % 3]);
-      const EdgeItem* it = std::lower_bound(edges.first(a), edges.last(a), b,
-                                            [](const EdgeItem& e, Index other) { return e.other < other; });
-      auto& count = boundary_faces_at[static_cast<std::size_t>(
-          number[6 * static_cast<std::size_t>(it->tet) + static_cast<std::size_t>(it->edge)])];
-      if (count < 3) ++count;
-    }
-  std::vector<char> pinched(static_cast<std::size_t>(vertices), 0);
-  for (std::size_t e = 0; e < low_end.size(); ++e)
-    if (boundary_faces_at[e] != 0 && boundary_faces_at[e] != 2)
-      pinched[static_cast<std::size_t>(low_end[e])] =
-          pinched[static_cast<std::size_t>(edges.items[edge_begin[e]].other)] = 1;
-  Finding bad_link;
-  for (Index v = 0; v < vertices; ++v) {
-    const auto i = static_cast<std::size_t>(v);
-    if (!used[i]) continue;
-    const Index euler = link_vertices[i] - faces.at_vertex[i] + link_faces[i];
-    if (euler != (faces.on_boundary[i] ? 1 : 2) || faces.on_crowded[i] || components[i] != 1 || pinched[i])
-      bad_link.add(v);
-  }
-  report(r, Rule::R5, bad_link, "vertices have a link that is neither a disc nor a sphere");
-  if (!positive || stopped()) return r;
-
-  // R6
-  const auto branched = parallel_collect<std::pair<std::size_t, int>>(
-      static_cast<std::int64_t>(low_end.size()), kTetGrain,
-      [&](std::int64_t begin, std::int64_t end, auto& found) {
-        for (auto e = static_cast<std::size_t>(begin); e < static_cast<std::size_t>(end); ++e) {
-          if (boundary_faces_at[e] != 0) continue;
-          const EdgeItem& head = edges.items[edge_begin[e]];
-          const Index a = low_end[e], b = head.other, fixed = T(head.tet, kEdge[head.edge][2]);
-          int turns = 0;
-          for (std::size_t i = edge_begin[e]; i < edge_begin[e + 1]; ++i) {
-            const EdgeItem& item = edges.items[i];
-            Index k = T(item.tet, kEdge[item.edge][2]), l = T(item.tet, kEdge[item.edge][3]);
-            if (T(item.tet, kEdge[item.edge][0]) != a) std::swap(k, l);  // seen from the other end
-            // The wedge [k, l) is less than half a turn wide.
-            const bool from = k == fixed || orient3d(point(a), point(b), point(k), point(fixed)) >= 0;
-            if (from && l != fixed && orient3d(point(a), point(b), point(fixed), point(l)) > 0) ++turns;
-          }
-          if (turns != 1) found.emplace_back(e, turns);
-        }
-      });
-  Finding turned(2);
-  for (const auto& [e, turns] : branched) turned.add(low_end[e], edges.items[edge_begin[e]].other);
-  report(r, Rule::R6, turned, "interior edges have tets around them that do not make one turn");
+  // R5, R6
+  report(r, Rule::R5, stars.crowded, "faces are shared by more than two tets");
+  report(r, Rule::R5, stars.same_side, "shared faces have both tets on the same side");
+  report(r, Rule::R5, stars.bad_link, "vertices have a link that is neither a disc nor a sphere");
+  report(r, Rule::R6, stars.turned, "interior edges have tets around them that do not make one turn");
   return r;
 }
 

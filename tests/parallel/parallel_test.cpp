@@ -1,8 +1,10 @@
 #include "kernels/parallel/parallel.h"
+#include "kernels/parallel/grouping.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 #include <stdexcept>
 #include <vector>
 
@@ -106,6 +108,40 @@ TEST(Parallel, InvokeRunsBoth) {
   int a = 0, b = 0;
   parallel_invoke([&] { a = 1; }, [&] { b = 2; });
   EXPECT_EQ(a + b, 3);
+}
+
+TEST(Grouping, ItemsStayInOrderOnAnyNumberOfThreads) {
+  std::mt19937 random(11);
+  for (const int n : {0, 1, 50, 3000})
+    for (const int groups : {1, 7, 500}) {
+      std::vector<int> key(n);
+      for (int& k : key) k = static_cast<int>(random() % groups);
+      std::vector<std::vector<int>> want(groups);
+      for (int i = 0; i < n; ++i) want[key[i]].push_back(i);
+      for (const int threads : {1, 2, 3, 8}) {
+        const ScopedThreads scope(threads);
+        RawVector<std::uint32_t> start;
+        RawVector<int> items;
+        group_items(groups, start, items, [&](auto visit) {
+          for (int i = 0; i < n; ++i) visit(key[i], i);
+        });
+        ASSERT_EQ(start[groups], static_cast<std::uint32_t>(n));
+        for (int g = 0; g < groups; ++g)
+          ASSERT_EQ(std::vector<int>(items.begin() + start[g], items.begin() + start[g + 1]), want[g]);
+      }
+    }
+}
+
+TEST(Grouping, SortIsThatOfTheStandardLibrary) {
+  std::mt19937 random(12);
+  for (const int n : {0, 1, 1000, 32768, 32769, 200000}) {
+    std::vector<int> list(n);
+    for (int& x : list) x = static_cast<int>(random() % 5000);
+    std::vector<int> want = list;
+    std::sort(want.begin(), want.end());
+    parallel_sort(list);
+    EXPECT_EQ(list, want);
+  }
 }
 
 }  // namespace
