@@ -2,6 +2,9 @@
 
 #include <CGAL/Exact_rational.h>
 
+#include <bit>
+#include <cstdint>
+
 namespace overtet {
 
 namespace {
@@ -125,6 +128,38 @@ int orient3d_rational(const double* a, const double* b, const double* c, const d
                  m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]));
 }
 
+// The coordinates of some points along one axis as whole numbers below 2^60, scaled by a power of two. False
+// when their bits span more than that.
+using Wide = __int128;
+template <int N>
+bool whole(const double (&x)[N], std::int64_t (&out)[N]) {
+  double most = 0;
+  for (const double v : x) most = std::max(most, std::fabs(v));
+  const int exponent = static_cast<int>(std::bit_cast<std::uint64_t>(most) >> 52);  // 1023: 1 <= most < 2
+  if (exponent < 100 || exponent > 1900) return false;
+  const double scale = std::bit_cast<double>(static_cast<std::uint64_t>(2 * 1023 + 59 - exponent) << 52);
+  bool exact = true;
+  for (int i = 0; i < N; ++i) {
+    const double v = x[i] * scale;  // a power of two: nothing is lost, or v is far from whole
+    out[i] = static_cast<std::int64_t>(v);
+    exact &= static_cast<double>(out[i]) == v;
+  }
+  return exact;
+}
+
+// The sign of the sum of minor times factor, minors below 2^123, factors below 2^61 in absolute value: 192
+// bits.
+int sign_of_sum(const Wide (&minor)[3], const std::int64_t (&factor)[3]) {
+  Wide high = 0, low = 0;
+  for (int i = 0; i < 3; ++i) {
+    high += static_cast<Wide>(static_cast<std::int64_t>(minor[i] >> 64)) * factor[i];
+    low += static_cast<Wide>(static_cast<std::uint64_t>(minor[i])) * factor[i];
+  }
+  high += low >> 64;
+  if (high != 0) return high > 0 ? 1 : -1;
+  return static_cast<std::uint64_t>(low) != 0 ? 1 : 0;
+}
+
 // The closed interval test on a line: p, q, r collinear in the plane, r within the box of pq.
 bool within(double px, double py, double qx, double qy, double rx, double ry) {
   return std::min(px, qx) <= rx && rx <= std::max(px, qx) && std::min(py, qy) <= ry && ry <= std::max(py, qy);
@@ -244,6 +279,18 @@ int orient3d_slow(const double* a, const double* b, const double* c, const doubl
       if (det < -bound) return -1;
     }
   }
+  // Whole numbers, where the coordinates along each axis are of similar size: several times as fast as
+  // expansions.
+  std::int64_t at[3][4];
+  bool similar = true;
+  for (int k = 0; k < 3 && similar; ++k) similar = whole({a[k], b[k], c[k], d[k]}, at[k]);
+  if (similar) {
+    const auto from_a = [&](int axis, int point) { return at[axis][point] - at[axis][0]; };
+    const auto minor = [&](int i, int j) {
+      return static_cast<Wide>(from_a(i, 1)) * from_a(j, 2) - static_cast<Wide>(from_a(j, 1)) * from_a(i, 2);
+    };
+    return sign_of_sum({minor(0, 1), minor(1, 2), minor(2, 0)}, {from_a(2, 3), from_a(0, 3), from_a(1, 3)});
+  }
   Difference B[3], C[3], D[3];
   bool in_range = true;
   for (int k = 0; k < 3; ++k) {
@@ -262,6 +309,12 @@ int orient3d_slow(const double* a, const double* b, const double* c, const doubl
 }
 
 int orient2d_slow(double ax, double ay, double bx, double by, double cx, double cy) {
+  std::int64_t x[3], y[3];
+  if (whole({ax, bx, cx}, x) && whole({ay, by, cy}, y)) {
+    const Wide det =
+        static_cast<Wide>(x[1] - x[0]) * (y[2] - y[0]) - static_cast<Wide>(y[1] - y[0]) * (x[2] - x[0]);
+    return det > 0 ? 1 : det < 0 ? -1 : 0;
+  }
   const Difference px = difference(bx, ax), py = difference(by, ay);
   const Difference qx = difference(cx, ax), qy = difference(cy, ay);
   if (safe(px) && safe(py) && safe(qx) && safe(qy)) return add(multiply(px, qy), multiply(py, qx), -1).sign();
