@@ -7,11 +7,10 @@
 //     the same points agree.
 //  3. Pure functions of their arguments: safe from several threads, same answer everywhere.
 //
-// How: a semi-static floating-point filter (inline), then a filter with the permanent as error bound, then whole
-// numbers of 192 bits where the coordinates are of similar size, else expansion arithmetic on the stack (Shewchuk
-// 1997), then, for coordinates whose products could
-// leave the range of doubles, rationals. Only the last one allocates; in a unit box it needs coordinate
-// differences below 1e-90.
+// How: a semi-static floating-point filter (inline), then a filter with the permanent as error bound, then
+// whole numbers of 192 bits where the coordinates are of similar size, else expansion arithmetic on the stack
+// (Shewchuk 1997), then, for coordinates whose products could leave the range of doubles, rationals. Only the
+// last one allocates; in a unit box it needs coordinate differences below 1e-90.
 //
 // pre: every coordinate is finite. Points are three (two) consecutive doubles.
 #pragma once

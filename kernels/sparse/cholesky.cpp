@@ -48,9 +48,10 @@ struct SparseCholesky::Impl {
     common.nmethods = 1;
     using Ordering = CholeskyOptions::Ordering;
     using Method = CholeskyOptions::Method;
-    common.method[0].ordering = options.ordering == Ordering::amd     ? CHOLMOD_AMD
-                                : options.ordering == Ordering::metis ? CHOLMOD_METIS
-                                                                      : CHOLMOD_NATURAL;
+    automatic = options.ordering == Ordering::automatic;
+    common.method[0].ordering = options.ordering == Ordering::metis     ? CHOLMOD_METIS
+                                : options.ordering == Ordering::natural ? CHOLMOD_NATURAL
+                                                                        : CHOLMOD_AMD;
     common.postorder = options.ordering != Ordering::natural;
     common.supernodal = options.method == Method::simplicial   ? CHOLMOD_SIMPLICIAL
                         : options.method == Method::supernodal ? CHOLMOD_SUPERNODAL
@@ -77,6 +78,7 @@ struct SparseCholesky::Impl {
   std::vector<double> columns;
   Eigen::Index rows = -1, entries = -1;
   bool factored = false;
+  bool automatic = false;
 };
 
 SparseCholesky::SparseCholesky(const CholeskyOptions& options) {
@@ -94,6 +96,8 @@ bool SparseCholesky::analyze(const SymmetricMatrix& A) {
   m.rows = -1;
   if (A.rows() != A.cols() || !A.isCompressed()) return false;
   if (A.rows() > 0) {
+    if (m.automatic)
+      m.common.method[0].ordering = A.rows() < CholeskyOptions::kMetisRows ? CHOLMOD_AMD : CHOLMOD_METIS;
     cholmod_sparse s = view(A);
     m.L = cholmod_analyze(&s, &m.common);
     if (!m.L) return false;
