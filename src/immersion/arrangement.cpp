@@ -31,6 +31,9 @@ namespace {
 constexpr int kDistances[] = {-44, -38, -32, -26};  // powers of two, relative to the largest coordinate
 constexpr int kRoundsPerDistance = 6;
 
+// Points nearer to an edge than this, relative to the largest coordinate, lie on it but for rounding.
+constexpr double kOnEdge = 0x1p-40;
+
 // More crossings than this many times those of the input: rounds make them instead of ending them.
 constexpr std::size_t kMostGrowth = 4;
 constexpr int kMostRounds = kRoundsPerDistance * static_cast<int>(std::size(kDistances));
@@ -232,9 +235,7 @@ class Arranger {
 
   Result<Arrangement> run_with_tolerance(double tolerance, const RunContext& context) {
     number_input_positions();
-    double largest = 0;
-    for (const auto& p : points_) largest = std::max(largest, p.cwiseAbs().maxCoeff());
-    const double near = std::ldexp(tolerance, std::ilogb(largest));
+    const double near = std::ldexp(tolerance, std::ilogb(largest_));
     const bool merged = merge_input_positions(near);
     merge();
     Index last = 0;
@@ -264,9 +265,7 @@ class Arranger {
       if (auto error = Cutter(points_, pieces_).run(crossing, context)) return *error;
       if (round == 0)
         for (const Piece& p : pieces_) cut_faces_.push_back(p.cut ? p.sheet.face : -1);
-      double largest = 0;
-      for (const auto& p : points_) largest = std::max(largest, p.cwiseAbs().maxCoeff());
-      snap(std::ldexp(1.0, std::ilogb(largest) + kDistances[round / kRoundsPerDistance]), false);
+      snap(std::ldexp(1.0, std::ilogb(largest_) + kDistances[round / kRoundsPerDistance]), false);
       merge();
       crossing = intersections();
       if (crossing.empty()) return collect(round + 1);
@@ -303,6 +302,7 @@ class Arranger {
       }
     }
     input_positions_ = static_cast<Index>(points_.size());
+    largest_ = surface_.V.cwiseAbs().maxCoeff();
     for (Index f = 0; f < static_cast<Index>(surface_.F.rows()); ++f) {
       const auto face = surface_.F.row(f);
       pieces_.push_back(
@@ -447,6 +447,7 @@ class Arranger {
           lead.cut |= other.cut;
           lead.fresh = true;
         }
+        drop_folds_at_edges(lead.corners, sheets);
         if (sheets.empty()) {
           b = e;
           continue;
@@ -460,6 +461,30 @@ class Arranger {
     std::sort(kept.begin(), kept.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     pieces_.clear();
     for (auto& [number, piece] : kept) pieces_.push_back(std::move(piece));
+  }
+
+  // Two faces with a common edge, folded onto each other in a sliver along it: rounding has moved a point of
+  // the edge across it. The faces meet along the sliver's other side instead.
+  void drop_folds_at_edges(const std::array<Index, 3>& corners, std::vector<ArrangementSheet>& sheets) const {
+    const auto along_common_edge = [&](Index f, Index g) {
+      std::vector<Eigen::Vector3d> ends;
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+          if (surface_.F(f, i) == surface_.F(g, j)) ends.push_back(surface_.V.row(surface_.F(f, i)));
+      if (ends.size() != 2) return false;
+      const Eigen::Vector3d d = (ends[1] - ends[0]).normalized();
+      return std::all_of(corners.begin(), corners.end(), [&](Index v) {
+        const Eigen::Vector3d r = points_[v] - ends[0];
+        return (r - d * d.dot(r)).norm() < kOnEdge * largest_;
+      });
+    };
+    for (std::size_t i = 0; i < sheets.size(); ++i)
+      for (std::size_t j = i + 1; j < sheets.size(); ++j) {
+        if (sheets[i].sign == sheets[j].sign || !along_common_edge(sheets[i].face, sheets[j].face)) continue;
+        sheets.erase(sheets.begin() + static_cast<std::ptrdiff_t>(j));
+        sheets.erase(sheets.begin() + static_cast<std::ptrdiff_t>(i));
+        return drop_folds_at_edges(corners, sheets);
+      }
   }
 
   // Rounding can make points equal.
@@ -528,6 +553,7 @@ class Arranger {
   std::vector<Index> input_number_;
   std::vector<Index> cut_faces_;
   Index input_positions_ = 0;
+  double largest_ = 0;  // coordinate, in absolute value
 };
 
 }  // namespace

@@ -152,6 +152,27 @@ TEST(Immersion, DoesNotDependOnTheNumbersOfVertices) {
   }
 }
 
+// A part that has a mesh has one beside anything else that has one: the solid of both is the two solids.
+// Points on the edges of one that rounding moves across them make no difference.
+TEST(Immersion, PartsThatHaveAMeshHaveOneTogether) {
+  for (const auto& [degrees, around] : {std::pair{170.0, 6}, {170.0, 20}, {190.0, 6}}) {
+    const Surface bent = test::elbow(degrees, around);
+    ASSERT_EQ(failure_of(bent), "");
+    const Diagnosis d = test::diagnosed(bent);
+    ASSERT_FALSE(d.hinges.empty());
+    const Eigen::Vector3d a = bent.V.row(d.hinges.front().vertex);
+    double far = 0;
+    for (const Hinge& h : d.hinges) far = std::max(far, (Eigen::Vector3d(bent.V.row(h.vertex)) - a).norm());
+    for (const auto& [radius, seed] : {std::pair{0.53, 13}, {0.9, 15}, {1.2, 16}}) {
+      SCOPED_TRACE(testing::Message() << degrees << " degrees, " << around << " around, ball " << radius);
+      const Surface ball =
+          test::transformed(test::sphere(seed == 16 ? 1 : 0), radius * far * test::some_rotation(seed),
+                            a + Eigen::Vector3d(0.0123, 0.0071, -0.0057));
+      EXPECT_EQ(failure_of(test::joined(bent, ball)), "");
+    }
+  }
+}
+
 // Random bends: a mesh that passes the exact check, or a reason why there is none.
 TEST(Immersion, RandomWormsAreMeshedOrProvenImpossible) {
   int meshed = 0, crossing = 0;
