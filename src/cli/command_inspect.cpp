@@ -201,6 +201,7 @@ Json to_json(const Findings& f) {
     j["hinges"].push_back(hinge);
   }
   j["odd_groups"] = d.wound.odd_groups;
+  j["crowded"] = d.wound.crowded;
   j["unmet_hinges"] = d.wound.unmet;
   j["wound_edges"] = Json::array();
   for (const WoundEdge& e : d.wound.edges) j["wound_edges"].push_back({{"a", e.a}, {"b", e.b}, {"k", e.k}});
@@ -249,6 +250,8 @@ void print_hinges(const Findings& f) {
     for (const Index v : d.wound.odd_groups[i]) std::printf(" %d", v);
     std::printf("\n");
   }
+  for (std::size_t i = 0; i < d.wound.crowded.size() && i < kListed; ++i)
+    std::printf("crowded     %d\n", d.wound.crowded[i]);
   if (d.wound.edges.empty()) return;
   std::printf("wound       %zu edges with one turn more than they show:", d.wound.edges.size());
   for (std::size_t i = 0; i < d.wound.edges.size() && i < kListed; ++i) {

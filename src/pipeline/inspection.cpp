@@ -91,6 +91,12 @@ std::optional<WitnessRecord> witness_of(const Surface& surface, const Diagnosis&
       if (std::binary_search(group.begin(), group.end(), h.vertex)) add(h.vertex, h.B0.value_or(0));
     return record;
   }
+  for (const Hinge& h : d.hinges) {
+    if (d.wound.crowded.empty() || h.vertex != d.wound.crowded.front()) continue;
+    record.rule = WitnessRecord::Rule::crowded;
+    add(h.vertex, h.B0.value_or(0));
+    return record;
+  }
   return std::nullopt;
 }
 

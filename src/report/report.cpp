@@ -37,6 +37,7 @@ Json json_of(const WitnessRecord& w) {
       return j;
     case WitnessRecord::Rule::fold:
     case WitnessRecord::Rule::unpaired:
+    case WitnessRecord::Rule::crowded:
       j["vertices"] = w.vertices;
       j["B0"] = w.B0;
       j["positions"] = w.positions;
@@ -57,6 +58,8 @@ const char* name_of(WitnessRecord::Rule rule) {
       return "fold";
     case WitnessRecord::Rule::unpaired:
       return "unpaired";
+    case WitnessRecord::Rule::crowded:
+      return "crowded";
   }
   return "";
 }

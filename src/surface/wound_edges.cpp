@@ -33,7 +33,12 @@ class Assigner {
     prepare();
     WoundEdges best;
     if (auto stop = find_odd_groups(best)) return *stop;
-    if (!best.odd_groups.empty()) return best;  // nothing to assign
+    find_crowded(best);
+    if (!best.odd_groups.empty() || !best.crowded.empty()) {  // nothing to assign
+      std::sort(best.unmet.begin(), best.unmet.end());
+      best.unmet.erase(std::unique(best.unmet.begin(), best.unmet.end()), best.unmet.end());
+      return best;
+    }
     std::vector<int> extra(hinges_.size(), 0);
     // First with as many layers over every hinge as its winding allows, which asks for the fewest chains;
     // then with closed chains through a hinge allowed; then with one layer fewer over the unmet ones.
@@ -98,7 +103,6 @@ class Assigner {
     std::stable_sort(out.odd_groups.begin(), out.odd_groups.end(),
                      [](const auto& a, const auto& b) { return a.size() < b.size(); });
     for (const auto& odd : out.odd_groups) out.unmet.insert(out.unmet.end(), odd.begin(), odd.end());
-    std::sort(out.unmet.begin(), out.unmet.end());
     const auto& group = out.odd_groups.front();
     const Hinge& hinge = hinges_[hinge_at_[group.front()]];
     out.explanation =
@@ -110,6 +114,35 @@ class Assigner {
              : ", and the " + std::to_string(group.size()) +
                    " vertices with odd B0 that covered edges join to it cannot be paired.");
     return std::nullopt;
+  }
+
+  void find_crowded(WoundEdges& out) {
+    for (const Hinge& hinge : hinges_) {
+      if (!hinge.B0 || *hinge.B0 <= 0) continue;
+      bool sure = true;
+      std::vector<std::pair<int, int>> room;  // next to the hinge, all along
+      around(hinge.vertex, [&](Index h) {
+        sure = sure && is_known(h);
+        if (sure) room.emplace_back(level_at(h, hinge.vertex), least(h));
+      });
+      if (!sure) continue;
+      int most = *hinge.B0 / 2;
+      for (const auto& [near, all_along] : room) most = std::min(most, near);
+      bool fits = false;
+      for (int c = 0; c <= std::max(0, most) && !fits; ++c) {
+        int turns = 0;
+        for (const auto& [near, all_along] : room) turns += std::max(0, std::min(near - c, all_along));
+        fits = turns >= *hinge.B0 - 2 * c;
+      }
+      if (fits) continue;
+      out.crowded.push_back(hinge.vertex);
+      out.unmet.push_back(hinge.vertex);
+      if (!out.explanation.empty()) continue;
+      out.explanation = "No positive mesh exists: at vertex " + std::to_string(hinge.vertex) +
+                        " the integer B0 is " + std::to_string(*hinge.B0) +
+                        ", and its edges cannot turn that often beyond what they show: too few of them are "
+                        "covered all along on their outer side.";
+    }
   }
 
   // Whether another vertex lies where v does: its faces then pierce the edges of v.

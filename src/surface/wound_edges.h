@@ -39,6 +39,10 @@ struct WoundEdges {
   // interior edge exists: over such a group the sum of B0 would have to be even. A single vertex whose
   // edges are all uncovered somewhere is the usual case.
   std::vector<std::vector<Index>> odd_groups;
+  // Hinges whose edges cannot take the turns that B0 asks for: for every c from 0 to the smallest level next
+  // to the hinge, the edges have room for less than B0 - 2 c turns, an edge for its smallest level all along,
+  // and for c less than its level next to the hinge. As much of a proof. Sorted.
+  std::vector<Index> crowded;
   std::string explanation;  // one sentence when there are any unmet
   bool complete() const { return unmet.empty(); }
 };

@@ -171,6 +171,7 @@ TEST_F(CheckWitness, PointsOfNegativeWinding) {
     EXPECT_EQ(answer(s, witness(w.winding - 1)), 1) << said_;
     EXPECT_EQ(answer(s, "{\"point\": [100, 0.5, \"-1/3\"], \"winding\": -1}"), 1) << said_;
     EXPECT_EQ(answer(obj_text(s), witness(w.winding), "s.obj"), 0) << said_;
+    if (&s != &models[0]) continue;
     EXPECT_EQ(answer(ply_text(s), witness(w.winding), "s.ply"), 0) << said_;
     EXPECT_EQ(answer(binary_ply(s, false), witness(w.winding), "s.ply"), 0) << said_;
     EXPECT_EQ(answer(binary_ply(s, true), witness(w.winding), "s.ply"), 0) << said_;
@@ -192,16 +193,16 @@ TEST_F(CheckWitness, IntegersOfVertices) {
     const Diagnosis d = diagnosed(s);
     int looked = 0;
     for (const Hinge& h : d.hinges) {
-      if (!h.B0 || ++looked > 7) continue;
+      if (!h.B0 || ++looked > 4) continue;
       const int got = answer(s, vertex_witness(h.vertex, *h.B0));
       EXPECT_EQ(got, *h.B0 < 0 ? 0 : 1) << "seed " << seed << ", B0 " << *h.B0 << ": " << said_;
       const std::string is = "B0 of vertex " + std::to_string(h.vertex) + " is " + std::to_string(*h.B0);
       EXPECT_NE(said_.find(is + "."), std::string::npos) << "seed " << seed << ": " << is << ", " << said_;
+      ++(*h.B0 < 0 ? negative : positive);
+      if (looked > 1) continue;
       const std::string fold = "{\"rule\": \"fold\", \"vertices\": [" + std::to_string(h.vertex) +
                                "], \"B0\": [" + std::to_string(*h.B0) + "]}";
       EXPECT_EQ(answer(s, fold), got) << said_;
-      ++(*h.B0 < 0 ? negative : positive);
-      if (looked > 1) continue;
       EXPECT_EQ(answer(s, vertex_witness(h.vertex, *h.B0 - 1)), 1) << said_;
     }
   }
@@ -238,6 +239,36 @@ TEST_F(CheckWitness, PairedVerticesAreNoProof) {
   }
   EXPECT_GT(looked, 0);
   EXPECT_EQ(answer(s, unpaired_witness({0}, {0})), 1) << said_;  // even
+}
+
+// Elbows with a sphere around a hinge, at which B0 asks for more turns than the edges have room for, though
+// nothing is wrong with its parity.
+TEST_F(CheckWitness, CrowdedVertices) {
+  for (const std::uint64_t seed : {271, 395}) {
+    const double shake = 0.02 + 0.03 * static_cast<double>(seed % 7);
+    Surface s =
+        test::noisy(test::elbow(110 + 20.0 * static_cast<double>(seed % 4), 8 + seed % 3), seed, shake);
+    const std::vector<Hinge> hinges = diagnosed(s).hinges;
+    const Eigen::Vector3d at = s.V.row(hinges[seed % hinges.size()].vertex);
+    s = test::joined(s, test::sphere(1, 0.1 + 0.1 * static_cast<double>(seed % 5),
+                                     at + 0.05 * Eigen::Vector3d(0.3, 0.5, 0.7)));
+    const Diagnosis d = diagnosed(s);
+    ASSERT_EQ(d.verdict, Verdict::obstructed);
+    EXPECT_TRUE(d.wound.odd_groups.empty());
+    ASSERT_FALSE(d.wound.crowded.empty());
+    const auto witness = [](Index v, int b0) {
+      return "{\"rule\": \"crowded\", \"vertices\": [" + std::to_string(v) + "], \"B0\": [" +
+             std::to_string(b0) + "]}";
+    };
+    for (const Index v : d.wound.crowded) EXPECT_EQ(answer(s, witness(v, b0_of(d, v).value())), 0) << said_;
+    int others = 0;
+    for (const Hinge& h : d.hinges) {
+      if (!h.B0 || std::count(d.wound.crowded.begin(), d.wound.crowded.end(), h.vertex) || ++others > 3)
+        continue;
+      EXPECT_EQ(answer(s, witness(h.vertex, *h.B0)), 1) << said_;
+    }
+    EXPECT_EQ(answer(s, witness(d.wound.crowded[0], b0_of(d, d.wound.crowded[0]).value() + 2)), 1) << said_;
+  }
 }
 
 // Two vertices in one place may share what hinges ask for.

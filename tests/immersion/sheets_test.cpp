@@ -179,7 +179,7 @@ TEST(Sheets, NoGluingWhereHingesCannotBePaired) {
     const Diagnosis d = test::diagnosed(s);
     if (d.verdict == Verdict::infeasible || d.fold_witness || d.hinges.empty()) continue;
     // The integers say no often, and cheaply; the search looks at some of them.
-    const bool says_no = !d.wound.odd_groups.empty();
+    const bool says_no = d.verdict == Verdict::obstructed;
     if (says_no ? unpaired >= 8 : glued >= 8) continue;
     const Prepared p = test::prepared(s);
     const Result<Sheets> sheets = assign_sheets(p.surface, p.arrangement, p.tets, d.wound.edges, {});
