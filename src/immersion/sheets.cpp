@@ -11,6 +11,8 @@
 #include <string>
 #include <tuple>
 
+#include "kernels/parallel/parallel.h"
+
 namespace overtet {
 
 namespace {
@@ -38,6 +40,8 @@ Triple sorted(Triple t) {
   return t;
 }
 
+constexpr std::int64_t kTetGrain = 1 << 14;
+
 // Finds triangles by their three vertices; open addressing, insertion order does not matter.
 class TriangleTable {
  public:
@@ -55,11 +59,13 @@ class TriangleTable {
   }
   Index find(const Triple& key) const {
     for (std::size_t at = hash(key); slot_[at] >= 0; at = (at + 1) & (slot_.size() - 1))
-      if (keys_[slot_[at]] == key) return values_[slot_[at]];
+      if (same(keys_[slot_[at]], key)) return values_[slot_[at]];
     return -1;
   }
 
  private:
+  // The array's own operator calls memcmp.
+  static bool same(const Triple& a, const Triple& b) { return a[0] == b[0] && a[1] == b[1] && a[2] == b[2]; }
   std::size_t hash(const Triple& k) const {
     std::uint64_t h = static_cast<std::uint64_t>(k[0]) * 0x9e3779b97f4a7c15ull;
     h = (h ^ (h >> 29) ^ static_cast<std::uint64_t>(k[1])) * 0xbf58476d1ce4e5b9ull;
@@ -310,12 +316,22 @@ class Assigner {
     std::vector<Index> facet_of(m, -1);
     out_.facet_on.assign(n, {-1, -1, -1, -1});
     corners_.clear();
+    const auto face = [&](Index t, int k) {
+      return Triple{tets_.T(t, kFace[k][0]), tets_.T(t, kFace[k][1]), tets_.T(t, kFace[k][2])};
+    };
+    std::vector<std::array<Index, 4>> found(n);
+    parallel_for(n, kTetGrain, [&](std::int64_t begin, std::int64_t end) {
+      for (Index t = static_cast<Index>(begin); t < end; ++t)
+        for (int k = 0; k < 4; ++k) {
+          const Triple f = face(t, k);
+          found[t][k] = marked[f[0]] && marked[f[1]] && marked[f[2]] ? table.find(sorted(f)) : -1;
+        }
+    });
     for (Index t = 0; t < n; ++t) {
       for (int k = 0; k < 4; ++k) {
-        const Triple f{tets_.T(t, kFace[k][0]), tets_.T(t, kFace[k][1]), tets_.T(t, kFace[k][2])};
-        if (!marked[f[0]] || !marked[f[1]] || !marked[f[2]]) continue;
-        const Index i = table.find(sorted(f));
+        const Index i = found[t][k];
         if (i < 0) continue;
+        const Triple f = face(t, k);
         if (facet_of[i] < 0) {
           facet_of[i] = static_cast<Index>(out_.facets.size());
           Facet facet;
