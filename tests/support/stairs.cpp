@@ -1,0 +1,89 @@
+#include "tests/support/stairs.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <random>
+
+namespace overtet::test {
+
+namespace {
+
+using Point = Eigen::Vector3d;
+
+double volume(const TetMesh& m, Index t) {
+  const Point a = m.V.row(m.T(t, 0)), b = m.V.row(m.T(t, 1)), c = m.V.row(m.T(t, 2)), d = m.V.row(m.T(t, 3));
+  return (b - a).cross(c - a).dot(d - a) / 6;
+}
+
+// The faces that belong to one tet only, outward.
+TriangleMatrix boundary_of(const TetMesh& m) {
+  constexpr int kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+  std::map<std::array<Index, 3>, std::array<Index, 3>> once;
+  for (Index t = 0; t < m.T.rows(); ++t)
+    for (const auto& k : kFace) {
+      const std::array<Index, 3> f{m.T(t, k[0]), m.T(t, k[1]), m.T(t, k[2])};
+      auto key = f;
+      std::sort(key.begin(), key.end());
+      if (const auto [at, added] = once.try_emplace(key, f); !added) once.erase(at);
+    }
+  TriangleMatrix F(static_cast<Eigen::Index>(once.size()), 3);
+  Eigen::Index row = 0;
+  for (const auto& [key, f] : once) F.row(row++) << f[0], f[1], f[2];
+  return F;
+}
+
+}  // namespace
+
+Stairs spiral_stairs(const StairsOptions& options) {
+  constexpr double kRise = 0.02, kGrowth = 0.03;  // a radian
+  const int steps = std::max(3, static_cast<int>(std::ceil(options.turns * options.per_turn)));
+  const int levels = options.edges + 1;
+  const double sector = 2 * std::numbers::pi * options.turns / steps;
+  Stairs out;
+  out.wound = static_cast<int>(options.turns);
+  TetMesh& m = out.mesh;
+  const auto axis = [&](int level) { return static_cast<Index>(level); };
+  const auto column = [&](int i, int level) { return static_cast<Index>(levels + i * levels + level); };
+  m.V.resize(levels * (steps + 2), 3);
+  // Levels follow the axis; each is the one before, moved along it and turned.
+  Eigen::Affine3d frame = Eigen::Affine3d::Identity();
+  for (int j = 0; j < levels; ++j) {
+    m.V.row(axis(j)) = frame.translation().transpose();
+    for (int i = 0; i <= steps; ++i) {
+      const double angle = sector * i, radius = 1 + kGrowth * angle;
+      m.V.row(column(i, j)) =
+          (frame * Point(radius * std::cos(angle), radius * std::sin(angle), kRise * angle)).transpose();
+    }
+    frame = frame * Eigen::Translation3d(0, 0, 1) * Eigen::AngleAxisd(options.bend, Point::UnitX());
+    out.axis.push_back(axis(j));
+  }
+  m.T.resize(3 * steps * options.edges, 4);
+  Index t = 0;
+  for (int i = 0; i < steps; ++i)
+    for (int j = 0; j + 1 < levels; ++j) {
+      const Index a0 = axis(j), b0 = column(i, j), c0 = column(i + 1, j);
+      const Index a1 = axis(j + 1), b1 = column(i, j + 1), c1 = column(i + 1, j + 1);
+      m.T.row(t++) << a0, b0, c0, c1;
+      m.T.row(t++) << a0, b1, c1, a1;
+      m.T.row(t++) << a0, c1, b1, b0;
+    }
+  m.surface_vertices = static_cast<Index>(m.V.rows());
+  if (options.noise > 0) {
+    std::mt19937_64 random(options.seed);
+    for (Index v = 0; v < m.V.rows(); ++v) {
+      const Point before = m.V.row(v);
+      for (int k = 0; k < 3; ++k)
+        m.V(v, k) += options.noise * (static_cast<double>(random() >> 11) * 0x1p-53 - 0.5);
+      for (Index u = 0; u < m.T.rows(); ++u)
+        if (volume(m, u) < 1e-3) m.V.row(v) = before.transpose();
+    }
+  }
+  out.surface = {m.V, boundary_of(m)};
+  return out;
+}
+
+}  // namespace overtet::test
