@@ -7,8 +7,8 @@
 // Where there is no mesh and repairing is asked for, the same with a repaired surface in the input's place.
 //
 // The immersion route needs no flow and is tried first; the flow route is the paper's (Sacht et al. 2013) and
-// is taken when the first one finds nothing, or alone when asked for. Whatever made the mesh, it is
-// checked exactly against the surface as it was read before it is handed out.
+// is taken when the first one finds nothing (unless it has tried everything there is), or alone when asked for.
+// Whatever made the mesh, it is checked exactly against the surface as it was read before it is handed out.
 //
 // Same surface, same options: same mesh, on any number of threads.
 #pragma once
