@@ -874,12 +874,20 @@ class Assigner {
   std::optional<Error> solve() {
     const Index n = static_cast<Index>(out_.regions.size());
     options_.resize(n);
-    for (Index r = 0; r < n; ++r)
-      if (!enumerate_options(out_.regions[r], options_[r]) || options_[r].empty()) {
-        cut_short_ = true;
-        return Error{ErrorCode::unsolved,
-                     "A region's winding numbers leave too many ways to glue its sheets."};
-      }
+    for (Index r = 0; r < n; ++r) {
+      const bool all = enumerate_options(out_.regions[r], options_[r]);
+      if (all && !options_[r].empty()) continue;
+      cut_short_ = true;
+      Error error{
+          ErrorCode::unsolved,
+          all ? "Faces of the surface lie on each other where the solid has no thickness between them."
+              : "The surface winds so many times around a region, " +
+                    std::to_string(std::max(out_.regions[r].front_winding, out_.regions[r].back_winding)) +
+                    ", that there are too many ways to glue its sheets."};
+      for (std::size_t f = 0; f < out_.facets.size() && !error.place; ++f)
+        if (out_.facets[f].region == r) error.place = place(corners_[f][0]);
+      return error;
+    }
     fix_labels();
     chosen_.assign(n, nullptr);
     for (Index r = 0; r < n; ++r)

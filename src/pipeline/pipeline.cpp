@@ -16,6 +16,7 @@
 #include "src/improve/improve.h"
 #include "src/pipeline/flow_route.h"
 #include "src/pipeline/inspection.h"
+#include "src/pipeline/locked_patch.h"
 #include "src/pipeline/stage_clock.h"
 #include "src/pipeline/stage_files.h"
 #include "src/pipeline/unit_box.h"
@@ -235,7 +236,12 @@ Result<TetMesh> Run::mesh_immersed() {
     Result<ImmersionResult> r = immerse(surface_, d.pairs, d.wound.edges, options, context_);
     if (!r) {
       Error error = in_input_space(r.error());
-      if (error.place) unglued_ = Eigen::Vector3d((*error.place)[0], (*error.place)[1], (*error.place)[2]);
+      if (error.place) {
+        unglued_ = Eigen::Vector3d((*error.place)[0], (*error.place)[1], (*error.place)[2]);
+        const auto& p = *r.error().place;
+        const LockedPatch patch = patch_around(surface_, d.pairs, Eigen::Vector3d(p[0], p[1], p[2]));
+        if (Status s = save("locked", patch.surface); !s) return s.error();
+      }
       return error;
     }
     const ImmersionResult& x = r.value();

@@ -2,12 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <set>
 
 #include "src/io/surface_io.h"
 #include "src/io/tet_io.h"
+#include "src/pipeline/inspection.h"
+#include "src/pipeline/locked_patch.h"
 #include "src/verify/verify.h"
 #include "tests/support/files.h"
 #include "tests/support/models.h"
@@ -255,6 +258,30 @@ TEST(Pipeline, StagesAreSavedAndResumed) {
   ASSERT_TRUE(run(s, save).ok());
   EXPECT_TRUE(read_surface(file("arrangement.ply")).ok());
   EXPECT_TRUE(read_tets(file("cover.vtu")).ok());
+}
+
+TEST(Pipeline, ThePatchAroundAPlaceIsPartOfTheSurface) {
+  const Surface s = test::joined(test::elbow(150, 16), test::sphere(1, 0.2, {9, 0, 0}));
+  const Inspection found = inspect(s, false, {}).value();
+  ASSERT_FALSE(found.diagnosis.hinges.empty());
+  const Index hinge = found.diagnosis.hinges.front().vertex;
+  const LockedPatch patch = patch_around(s, found.diagnosis.pairs, s.V.row(hinge));
+  ASSERT_EQ(patch.faces.size(), static_cast<std::size_t>(patch.surface.F.rows()));
+  const std::set<Index> faces(patch.faces.begin(), patch.faces.end());
+  for (Index i = 0; i < patch.surface.F.rows(); ++i)
+    for (int k = 0; k < 3; ++k)
+      EXPECT_EQ(patch.surface.V.row(patch.surface.F(i, k)),
+                s.V.row(s.F(patch.faces[static_cast<std::size_t>(i)], k)));
+  for (Index f = 0; f < s.F.rows(); ++f) {
+    const bool at_hinge = s.F(f, 0) == hinge || s.F(f, 1) == hinge || s.F(f, 2) == hinge;
+    EXPECT_TRUE(!at_hinge || faces.count(f)) << f;
+  }
+  for (const auto& [f, g] : found.diagnosis.pairs) {
+    const auto row = s.F.row(f);
+    const bool at_hinge = std::find(row.begin(), row.end(), hinge) != row.end();
+    EXPECT_TRUE(!at_hinge || faces.count(g)) << g;
+  }
+  EXPECT_LT(patch.surface.F.rows(), s.F.rows() - 80);  // the ball far away is not in it
 }
 
 TEST(Pipeline, DamagedStagesAreRefused) {
