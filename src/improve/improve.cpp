@@ -17,14 +17,19 @@ namespace {
 constexpr int kMostParts = 64;  // enough for many threads; every cut costs a little
 // What lies around a cut: so many layers of tets.
 constexpr int kLayers = 2;
+// Part of the target angle below which tets are looked at once more, after the parts, all together.
+constexpr double kSecondLook = 0.4;
 // Refinement may at most multiply the tets by this.
 constexpr std::int64_t kRefinedGrowth = 5;
 // Circumradii over the diagonal divided by this and by the cube root of the number of parts are large.
 constexpr double kLargeTets = 80;
+// Below this smallest dihedral sine (3 degrees) vertices inside are taken out where that helps.
+constexpr double kLooseQuality = 0.05;
 
 int parts_for(std::size_t tets, const ImproveOptions& options) {
   int parts = 1;
-  while (parts < kMostParts && static_cast<std::int64_t>(tets) / (2 * parts) >= options.tets_per_part) parts *= 2;
+  while (parts < kMostParts && static_cast<std::int64_t>(tets) / (2 * parts) >= options.tets_per_part)
+    parts *= 2;
   return parts;
 }
 
@@ -33,34 +38,39 @@ struct PartResult {
   PassesResult passes;
 };
 
-PartResult improve_part(MeshPart& part, const ImproveOptions& options, double seconds,
-                        const RunContext& context) {
+// loose: of the whole mesh's vertices, see refine().
+PartResult improve_part(MeshPart& part, std::span<const char> loose, const ImproveOptions& options,
+                        double seconds, const RunContext& context) {
   PartResult result;
   LocalOperations work(part.complex);
   part.mark_shared(work);
-  if (options.radius_edge > 0)
+  if (options.radius_edge > 0) {
+    std::vector<char> here;
+    for (const Index v : part.vertex) here.push_back(loose[v]);
+    contract_loose(work, here, kLooseQuality, context);
     result.refined =
-        refine(work, options.radius_edge, 0, kRefinedGrowth * part.complex.tet_count() + 1000, context);
+        refine(work, options.radius_edge, 0, here, kRefinedGrowth * part.complex.tet_count() + 1000, context);
+  }
   result.passes = improve_passes(work, options, seconds, context);
   return result;
 }
 
 // Where nothing is inside yet, tets reach from one side to the other, and every cut is long. So large tets
 // are refined before the mesh is cut; a few vertices are enough.
-std::int64_t refine_large(TetMesh& mesh, const ImproveOptions& options, int parts,
+std::int64_t refine_large(TetMesh& mesh, std::vector<char>& loose, const ImproveOptions& options, int parts,
                           const RunContext& context) {
   const double diagonal = (mesh.V.colwise().maxCoeff() - mesh.V.colwise().minCoeff()).norm();
   TetComplex complex(mesh.V, mesh.T);
   LocalOperations work(complex);
   const std::int64_t inserted = refine(work, options.radius_edge, diagonal / (kLargeTets * std::cbrt(parts)),
-                                       kRefinedGrowth * complex.tet_count(), context);
-  complex.compact(mesh.surface_vertices);
+                                       loose, kRefinedGrowth * complex.tet_count(), context);
   mesh = complex.to_mesh(mesh.surface_vertices);
+  loose.resize(static_cast<std::size_t>(mesh.V.rows()), 0);
   return inserted;
 }
 
-// The tets within kLayers layers around the vertices that several parts share.
-std::vector<Index> around_cuts(const TetMesh& mesh, std::vector<char> near) {
+// The tets within kLayers layers around some vertices.
+std::vector<Index> around(const TetMesh& mesh, std::vector<char> near) {
   std::vector<char> chosen(static_cast<std::size_t>(mesh.T.rows()), 0);
   for (int layer = 0; layer < kLayers; ++layer) {
     for (Index t = 0; t < mesh.T.rows(); ++t)
@@ -74,6 +84,18 @@ std::vector<Index> around_cuts(const TetMesh& mesh, std::vector<char> near) {
   for (Index t = 0; t < mesh.T.rows(); ++t)
     if (chosen[t]) tets.push_back(t);
   return tets;
+}
+
+// Marks the corners of tets with a dihedral sine below that of `degrees`.
+std::vector<char> corners_of_worst(const TetMesh& mesh, double degrees) {
+  const double sine = std::sin(degrees * M_PI / 180);
+  std::vector<char> marked(static_cast<std::size_t>(mesh.V.rows()), 0);
+  for (Index t = 0; t < mesh.T.rows(); ++t) {
+    const auto p = [&](int k) { return Eigen::Vector3d(mesh.V.row(mesh.T(t, k))); };
+    if (min_dihedral_sine(p(0), p(1), p(2), p(3)) < sine)
+      for (int k = 0; k < 4; ++k) marked[mesh.T(t, k)] = 1;
+  }
+  return marked;
 }
 
 void add(ImproveResult& sum, const PartResult& part, std::size_t first_pass) {
@@ -125,15 +147,18 @@ Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, cons
 
   ImproveResult result;
   result.before = dihedral_statistics(mesh.V, mesh.T);
+  std::vector<char> loose(static_cast<std::size_t>(mesh.V.rows()), 1);  // the inside's, as given
+  std::fill(loose.begin(), loose.begin() + mesh.surface_vertices, 0);
   if (const int parts = parts_for(static_cast<std::size_t>(mesh.T.rows()), options);
       parts > 1 && options.radius_edge > 0)
-    result.refined = refine_large(mesh, options, parts, silent);
+    result.refined = refine_large(mesh, loose, options, parts, silent);
   std::vector<Index> chosen(static_cast<std::size_t>(mesh.T.rows()));
   std::iota(chosen.begin(), chosen.end(), 0);
   std::size_t before = 2 * chosen.size();
+  bool second_look = false;
   while (!chosen.empty()) {
     // Where parts are so small that the cuts are everywhere, the second round is in one piece.
-    const int count = chosen.size() <= before / 2 ? parts_for(chosen.size(), options) : 1;
+    const int count = !second_look && chosen.size() <= before / 2 ? parts_for(chosen.size(), options) : 1;
     before = chosen.size();
     const std::size_t first_pass = result.passes.size();
     const std::vector<int> part_of = halve(mesh, chosen, count);
@@ -144,28 +169,30 @@ Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, cons
     const double seconds = std::max(0.0, budget - since_begin());
     parallel_for(count, 1, [&](std::int64_t first, std::int64_t last) {
       for (std::int64_t p = first; p < last; ++p)
-        results[p] = improve_part(parts[p], options, seconds, silent);
+        results[p] = improve_part(parts[p], loose, options, seconds, silent);
     });
     if (context.cancel && context.stop()) return *context.stop();
     for (const PartResult& part : results) add(result, part, first_pass);
     result.rounds.push_back(count);
-    std::vector<char> at_cut(static_cast<std::size_t>(mesh.V.rows()), 0);
-    if (count > 1) {
-      std::vector<int> owner(at_cut.size(), -1);
-      for (Index t = 0; t < mesh.T.rows(); ++t)
-        for (int k = 0; k < 4; ++k) {
-          const Index v = mesh.T(t, k);
-          if (part_of[t] < 0 || owner[v] == part_of[t]) continue;
-          if (owner[v] >= 0) at_cut[v] = 1;
-          owner[v] = part_of[t];
-        }
-    }
+    std::vector<char> times_shared(static_cast<std::size_t>(mesh.V.rows()), 0);
+    for (const MeshPart& part : parts)
+      for (const Index v : part.shared)
+        if (char& times = times_shared[part.vertex[v]]; times < 2) ++times;
     const std::vector<Index> number = put_parts(mesh, part_of, parts);
-    if (count == 1) break;
-    std::vector<char> near(static_cast<std::size_t>(mesh.V.rows()), 0);
-    for (std::size_t v = 0; v < at_cut.size(); ++v)
-      if (at_cut[v]) near[number[v]] = 1;
-    chosen = around_cuts(mesh, std::move(near));
+    std::vector<char> near(static_cast<std::size_t>(mesh.V.rows()), 0), still_loose(near.size(), 0);
+    for (std::size_t v = 0; v < number.size(); ++v) {
+      if (number[v] < 0) continue;
+      near[number[v]] = times_shared[v] > 1;
+      still_loose[number[v]] = loose[v];
+    }
+    loose = std::move(still_loose);
+    if (count == 1) {
+      if (result.rounds.front() == 1 || second_look) break;
+      // What cuts left unfinished, once more with all that is around it.
+      second_look = true;
+      near = corners_of_worst(mesh, kSecondLook * options.target_degrees);
+    }
+    chosen = around(mesh, std::move(near));
   }
   result.after = dihedral_statistics(mesh.V, mesh.T);
   result.seconds = since_begin();

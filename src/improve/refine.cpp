@@ -20,19 +20,22 @@ struct Bad {
 
 }  // namespace
 
-std::int64_t refine(LocalOperations& work, double radius_edge, double least_radius, std::int64_t most_tets,
-                    const RunContext& context) {
+std::int64_t refine(LocalOperations& work, double radius_edge, double least_radius,
+                    std::span<const char> loose, std::int64_t most_tets, const RunContext& context) {
   const TetComplex& mesh = work.mesh();
   std::vector<char> hopeless(mesh.tet_capacity(), 0);  // tried in vain
   std::int64_t all = 0;
+  const auto is_loose = [&](Index v) { return v < static_cast<Index>(loose.size()) && loose[v]; };
   for (int pass = 0; pass < kMostPasses; ++pass) {
     std::vector<Bad> bad;
     for (Index t = 0; t < mesh.tet_capacity(); ++t) {
       if (!mesh.alive(t) || hopeless[t]) continue;
+      const auto& c = mesh.tet(t);
+      if (std::any_of(c.begin(), c.end(), is_loose)) continue;
       const double ratio = work.squared_radius_edge(t);
       if (ratio > radius_edge * radius_edge &&
           work.circumsphere(t).squared_radius >= least_radius * least_radius)
-        bad.push_back({ratio, t, mesh.tet(t)});
+        bad.push_back({ratio, t, c});
     }
     std::sort(bad.begin(), bad.end(), [](const Bad& x, const Bad& y) {
       return x.ratio != y.ratio ? x.ratio > y.ratio : x.tet < y.tet;
@@ -55,6 +58,32 @@ std::int64_t refine(LocalOperations& work, double radius_edge, double least_radi
     if (inserted * kTetsPerVertex <= mesh.tet_count()) break;
   }
   return all;
+}
+
+std::int64_t contract_loose(LocalOperations& work, std::span<const char> loose, double bad,
+                            const RunContext& context) {
+  const TetComplex& mesh = work.mesh();
+  std::int64_t contracted = 0;
+  std::vector<Index> tets;
+  std::vector<std::pair<double, Index>> ends;
+  for (Index v = 0; v < static_cast<Index>(loose.size()); ++v) {
+    if (!loose[v] || work.fixed(v)) continue;
+    if (v % kPollEvery == 0 && context.stop()) return contracted;
+    mesh.star(v, tets);
+    if (std::none_of(tets.begin(), tets.end(), [&](Index t) { return work.quality(t) < bad; })) continue;
+    ends.clear();
+    for (const Index t : tets)
+      for (const Index w : mesh.tet(t))
+        if (w != v) ends.emplace_back((mesh.position(w) - mesh.position(v)).squaredNorm(), w);
+    std::sort(ends.begin(), ends.end());
+    ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+    for (const auto& [length, w] : ends)
+      if (work.collapse(v, w, bad)) {
+        ++contracted;
+        break;
+      }
+  }
+  return contracted;
 }
 
 }  // namespace overtet

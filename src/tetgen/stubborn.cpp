@@ -14,6 +14,10 @@ constexpr int kAttempts = 6;
 // Sine of the smallest angle of a face that TetGen still refines around in useful time: 0.006 degrees.
 constexpr double kNeedle = 1e-4;
 
+// So many tets a vertex without vertices inside: points lie on common spheres, and flat tets fill the gaps.
+// Around 4 is usual.
+constexpr double kCrowd = 4.5;
+
 // Axes turned cyclically (which keeps orientations) by `turn`.
 VertexMatrix turned(const VertexMatrix& V, int turn) {
   VertexMatrix out(V.rows(), 3);
@@ -77,7 +81,13 @@ Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptio
   const auto settled = [](const Result<TetgenResult>& r) {
     return r.ok() || r.error().code != ErrorCode::unsolved;
   };
-  if (settled(first)) return first;
+  if (settled(first)) {
+    const bool crowded = first.ok() && static_cast<double>(first.value().T.rows()) >
+                                           kCrowd * static_cast<double>(first.value().V.rows());
+    if (!crowded || !options.quality) return first;
+    Result<TetgenResult> refined = tetrahedralize(plc, options, context);
+    return settled(refined) ? std::move(refined) : std::move(first);
+  }
   for (const bool quality : {true, false}) {
     if (quality && !options.quality) continue;
     for (int number = quality ? 0 : 1; number < kAttempts; ++number) {

@@ -16,9 +16,9 @@
 namespace overtet {
 namespace {
 
-TetMesh filled(const Surface& s) {
+TetMesh filled(const Surface& s, bool quality = false) {
   TetgenOptions options;
-  options.quality = false;
+  options.quality = quality;
   const auto r = tetrahedralize({s.V, s.F, {}, {}}, options, {});
   EXPECT_TRUE(r.ok());
   return {r.value().V, r.value().T, static_cast<Index>(s.V.rows())};
@@ -117,7 +117,7 @@ TEST(Refine, BadRadiiBecomeFewAndTheMeshStaysValid) {
       return static_cast<double>(count) / static_cast<double>(c.tet_count());
     };
     const double before = bad();
-    const std::int64_t inserted = refine(work, 1.5, 0, 1000000, {});
+    const std::int64_t inserted = refine(work, 1.5, 0, {}, 1000000, {});
     test::expect_valid(c);
     EXPECT_EQ(boundary, test::boundary_faces(c));
     EXPECT_LE(bad(), before);
@@ -126,13 +126,13 @@ TEST(Refine, BadRadiiBecomeFewAndTheMeshStaysValid) {
       EXPECT_LT(bad(), 0.8 * before);
     }
     const Index vertices = c.vertex_count();
-    EXPECT_LE(refine(work, 1.5, 0, 0, {}), 0);  // no more tets allowed
+    EXPECT_LE(refine(work, 1.5, 0, {}, 0, {}), 0);  // no more tets allowed
     EXPECT_EQ(vertices, c.vertex_count());
   }
 }
 
 TEST(Improve, InPartsAsGoodAsInOnePiece) {
-  const TetMesh start = filled(test::torus_surface(60, 24, 2, .7));
+  const TetMesh start = filled(test::torus_surface(60, 24, 2, .7), true);
   TetMesh whole = start, cut = start;
   ASSERT_GT(squeeze(whole, 1e-4, 1, 5), 300);
   cut = whole;
