@@ -222,8 +222,14 @@ Error Run::in_input_space(Error error) const {
   p << (*error.place)[0], (*error.place)[1], (*error.place)[2];
   out_of_unit_box(p, box_);
   error.place = {p(0, 0), p(0, 1), p(0, 2)};
-  char where[96];
-  std::snprintf(where, sizeof where, " near (%.6g, %.6g, %.6g).", p(0, 0), p(0, 1), p(0, 2));
+  char where[128];
+  Index vertex = 0;
+  while (vertex < input_.V.rows() && input_.V.row(vertex) != p.row(0)) ++vertex;
+  if (vertex < input_.V.rows())
+    std::snprintf(where, sizeof where, " at vertex %d (%.6g, %.6g, %.6g).", vertex, p(0, 0), p(0, 1),
+                  p(0, 2));
+  else
+    std::snprintf(where, sizeof where, " near (%.6g, %.6g, %.6g).", p(0, 0), p(0, 1), p(0, 2));
   if (!error.message.empty() && error.message.back() == '.') error.message.pop_back();
   error.message += where;
   return error;

@@ -120,6 +120,26 @@ TEST(Pipeline, UnpairedHingesAreInfeasible) {
   EXPECT_TRUE(stages(run(s, options)).contains("repair"));
 }
 
+// A hinge for which all integers fit, and yet no gluing exists: the search has seen everything, so the flows
+// are not tried, and the hinge is named.
+TEST(Pipeline, StopsWhereAllGluingsHaveBeenTried) {
+  const std::uint64_t seed = 139;
+  Surface s = test::noisy(test::elbow(170, 9), seed, 0.02 + 0.03 * 6);
+  const auto hinges = diagnose(s, {}, {}).value().hinges;
+  ASSERT_FALSE(hinges.empty());
+  const Eigen::Vector3d at = s.V.row(hinges[seed % hinges.size()].vertex);
+  s = test::joined(s, test::sphere(1, 0.5, at + 0.05 * Eigen::Vector3d(0.3, 0.5, 0.7)));
+  const Result<Diagnosis> d = diagnose(s, {}, {});
+  ASSERT_TRUE(d.ok());
+  ASSERT_EQ(d.value().verdict, Verdict::feasible);
+  const PipelineResult r = run(s);
+  EXPECT_EQ(r.exit_code(), 4);
+  EXPECT_TRUE(r.error.exhausted) << r.report.message;
+  ASSERT_TRUE(r.error.place.has_value());
+  EXPECT_NE(r.report.message.find("All gluings have been tried"), std::string::npos) << r.report.message;
+  EXPECT_FALSE(stages(r).contains("forward_flow"));
+}
+
 TEST(Pipeline, SaysWhyThereIsNoMesh) {
   const PipelineResult saucer = run(test::saucer());
   EXPECT_EQ(saucer.exit_code(), 5);
