@@ -120,8 +120,8 @@ TEST(Pipeline, UnpairedHingesAreInfeasible) {
   EXPECT_TRUE(stages(run(s, options)).contains("repair"));
 }
 
-// A hinge for which all integers fit, and yet no gluing exists: the search has seen everything, so the flows
-// are not tried, and the hinge is named.
+// Hinges for which all integers fit, and yet no gluing exists: the search has seen everything, so the flows
+// are not tried, and the place is named.
 TEST(Pipeline, StopsWhereAllGluingsHaveBeenTried) {
   const std::uint64_t seed = 139;
   Surface s = test::noisy(test::elbow(170, 9), seed, 0.02 + 0.03 * 6);
