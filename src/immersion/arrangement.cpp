@@ -240,10 +240,11 @@ class Arranger {
     merge();
     Index last = 0;
     for (int round = 0; round < kTolerantRounds; ++round) {
-      Result<ToleranceRound> done = cut_with_tolerance(points_, pieces_, near, context);
+      const bool only_touching = round == 0 && !merged;
+      Result<ToleranceRound> done = cut_with_tolerance(points_, pieces_, near, only_touching, context);
       if (!done) return done.error();
       const Index cut = done.value().cut;
-      if (round == 0 && !merged && done.value().touching == 0)
+      if (only_touching && done.value().touching == 0)
         return Error{ErrorCode::unsolved, "No parts of the surface touch each other within the tolerance."};
       if (cut == 0) {
         const std::vector<FacePair> crossing = intersections();

@@ -28,6 +28,6 @@ struct ToleranceRound {
 // compared with others; afterwards those that changed are. pre: no two vertices of different pieces are
 // nearer than the tolerance. No piece cut: nothing was to be done. Errors: limit, interrupted, unsolved.
 Result<ToleranceRound> cut_with_tolerance(std::vector<Eigen::Vector3d>& points, std::vector<Piece>& pieces,
-                                          double tolerance, const RunContext& context);
+                                          double tolerance, bool only_touching, const RunContext& context);
 
 }  // namespace overtet
