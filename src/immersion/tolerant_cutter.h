@@ -26,7 +26,8 @@ struct ToleranceRound {
 
 // points, pieces: the complex; new points come after all present ones. Only pieces marked `fresh` are
 // compared with others; afterwards those that changed are. pre: no two vertices of different pieces are
-// nearer than the tolerance. No piece cut: nothing was to be done. Errors: limit, interrupted, unsolved.
+// nearer than the tolerance. only_touching: nothing is cut where nothing touches, whatever crosses. No piece
+// cut: nothing was to be done. Errors: limit, interrupted, unsolved.
 Result<ToleranceRound> cut_with_tolerance(std::vector<Eigen::Vector3d>& points, std::vector<Piece>& pieces,
                                           double tolerance, bool only_touching, const RunContext& context);
 
