@@ -47,6 +47,7 @@ PassesResult improve_passes(LocalOperations& work, const ImproveOptions& options
   // A tet that resisted is left alone until something at its corners changes or stronger means come.
   std::int64_t now = 1;
   std::vector<std::int64_t> touched(mesh.vertex_count(), 0);
+  std::vector<std::int64_t> rested;  // when a vertex was last found where it is best
   struct Attempt {
     std::int64_t time = -1;
     bool strong = false;
@@ -130,11 +131,17 @@ PassesResult improve_passes(LocalOperations& work, const ImproveOptions& options
           done = touch();
         }
       if (done) continue;
-      for (const Index v : c)
-        if (still(b) && work.smooth(v, kSmoothGain)) {
+      for (const Index v : c) {
+        if (!still(b)) break;
+        if (v < static_cast<Index>(rested.size()) && rested[v] >= touched[v]) continue;
+        if (work.smooth(v, kSmoothGain)) {
           ++record.smoothed;
           touch();
+        } else {
+          rested.resize(touched.size(), -1);
+          rested[v] = now;
         }
+      }
       if (still(b) && (strong || b.quality < kThin)) {
         for (const auto& e : kEdges) {
           if (done) break;
