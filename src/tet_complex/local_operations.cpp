@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "kernels/parallel/parallel.h"
 #include "kernels/tet_energy/tet_quality.h"
 
 namespace overtet {
@@ -13,6 +14,7 @@ namespace {
 
 using Eigen::Vector3d;
 
+constexpr std::int64_t kGrain = 4096;  // tets
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // A move that gains less than this is not worth a change of the mesh.
 constexpr double kLeastGain = 1e-3;
@@ -62,10 +64,13 @@ Vector3d nearest_to_origin(const Vector3d* g, int n) {
 LocalOperations::LocalOperations(TetComplex& mesh) : mesh_(mesh) {
   quality_.resize(mesh.tet_capacity(), 0);
   fixed_.assign(mesh.vertex_count(), 0);
+  parallel_for(mesh.tet_capacity(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+    for (Index t = static_cast<Index>(begin); t < end; ++t)
+      if (const auto& c = mesh.tet(t); mesh.alive(t)) quality_[t] = quality_of(c[0], c[1], c[2], c[3]);
+  });
   for (Index t = 0; t < mesh.tet_capacity(); ++t) {
     if (!mesh.alive(t)) continue;
     const auto& c = mesh.tet(t);
-    quality_[t] = quality_of(c[0], c[1], c[2], c[3]);
     for (int k = 0; k < 4; ++k)
       if (mesh.neighbour(t, k) < 0)
         for (int j = 0; j < 4; ++j)

@@ -4,6 +4,8 @@
 #include <cassert>
 #include <tuple>
 
+#include "kernels/parallel/parallel.h"
+
 namespace overtet {
 
 namespace {
@@ -26,6 +28,8 @@ struct OtherCorners {
   }
 };
 constexpr OtherCorners kOther;
+
+constexpr std::int64_t kGrain = 4096;  // vertices
 
 void sort3(Index& a, Index& b, Index& c) {
   if (a > b) std::swap(a, b);
@@ -72,18 +76,21 @@ TetComplex::TetComplex(const VertexMatrix& V, const TetMatrix& T) {
         faces[at[f.a]++] = f;
       }
   }
-  for (Index v = 0; v < n; ++v) {
-    const auto first = faces.begin() + begin[v], last = faces.begin() + begin[v + 1];
-    std::sort(first, last, [](const Face& x, const Face& y) {
-      return std::tie(x.b, x.c, x.t, x.k) < std::tie(y.b, y.c, y.t, y.k);
-    });
-    for (auto f = first; f != last; ++f)
-      if (f + 1 != last && same(*f, *(f + 1))) {
-        next_[f->t][f->k] = (f + 1)->t;
-        next_[(f + 1)->t][(f + 1)->k] = f->t;
-        ++f;
-      }
-  }
+  // A face has one smallest vertex, so no two blocks write the same neighbours.
+  parallel_for(n, kGrain, [&](std::int64_t from, std::int64_t to) {
+    for (std::int64_t v = from; v < to; ++v) {
+      const auto first = faces.begin() + begin[v], last = faces.begin() + begin[v + 1];
+      std::sort(first, last, [](const Face& x, const Face& y) {
+        return std::tie(x.b, x.c, x.t, x.k) < std::tie(y.b, y.c, y.t, y.k);
+      });
+      for (auto f = first; f != last; ++f)
+        if (f + 1 != last && same(*f, *(f + 1))) {
+          next_[f->t][f->k] = (f + 1)->t;
+          next_[(f + 1)->t][(f + 1)->k] = f->t;
+          ++f;
+        }
+    }
+  });
 }
 
 Index TetComplex::add_vertex(const Eigen::Vector3d& p) {
