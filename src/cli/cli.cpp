@@ -91,9 +91,14 @@ int parse_and_run(int argc, char** argv) {
 
   RepairCommand repair;
   CLI::App* repair_app = app.add_subcommand(
-      "repair", "Move a few vertices of a surface a little, so that nothing forbids a tet mesh of it");
+      "repair", "Move a few vertices of a surface a little, so that a tet mesh of it exists, and make that");
   repair_app->add_option("INPUT", repair.input, "Surface: .obj, .off, .ply or .stl")->required();
-  repair_app->add_option("--output,-o", repair.output, "Surface: .off, .obj or .ply")->required();
+  repair_app
+      ->add_option("--output,-o", repair.output,
+                   "Tet mesh: .mesh, .msh, .vtu, .node or .ele; or the repaired surface: .off, .obj or .ply")
+      ->required();
+  repair_app->add_flag("--surface-only", repair.surface_only, "Write the repaired surface, make no mesh");
+  repair_app->add_option("--report", repair.report, "Write a JSON report (with a tet mesh only)");
   repair_app
       ->add_option("--max-move", repair.max_move, "Largest move of a vertex, in percent of the diagonal")
       ->check(CLI::Range(1e-6, 100.0))

@@ -115,6 +115,7 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
     PipelineOptions o;
     o.preset = command.preset == "default" ? Preset::standard : Preset::flow;
     o.on_infeasible = command.on_infeasible == "repair" ? OnInfeasible::repair : OnInfeasible::reject;
+    o.max_repair_move = command.max_move / 100;
     o.improve_degrees = command.improve_degrees;
     o.save_stages = command.save_stages;
     o.resume = command.resume;

@@ -5,13 +5,23 @@
 #include "src/cli/signals.h"
 #include "src/io/file.h"
 #include "src/io/surface_io.h"
+#include "src/io/tet_io.h"
 #include "src/repair/repair.h"
 
 namespace overtet {
 
 int run(const RepairCommand& command, const CommonOptions& common, Terminal& terminal) {
   const Result<SurfaceFormat> format = surface_format_of(command.output);
+  if (!format && !command.surface_only && tet_format_of(command.output)) {
+    MeshCommand mesh;
+    mesh.input = command.input, mesh.output = command.output, mesh.report = command.report;
+    mesh.on_infeasible = "repair";
+    mesh.max_move = command.max_move;
+    return run(mesh, common, terminal);
+  }
   if (!format) return fail(terminal, format.error());
+  if (!command.report.empty())
+    return fail(terminal, {ErrorCode::usage, "A report is written of a run that makes a tet mesh only."});
   if (command.input == command.output)
     return fail(terminal,
                 {ErrorCode::usage, "The input would be overwritten; choose another name for the output."});
@@ -34,11 +44,11 @@ int run(const RepairCommand& command, const CommonOptions& common, Terminal& ter
   if (Status s = write_surface(command.output, r.surface, format.value()); !s)
     return fail(terminal, s.error());
   terminal.clear();
-  char most[32];
-  std::snprintf(most, sizeof most, "%.4f", 100 * r.max_relative);
+  char most[96];
+  std::snprintf(most, sizeof most, "%.4f %% of the diagonal at most (%.4f in the mean). ",
+                100 * r.max_relative, 100 * r.mean_relative);
   terminal.say(command.output + ": " + std::to_string(r.moved.size()) + " of " +
-               std::to_string(r.surface.V.rows()) + " vertices moved, by " + most +
-               " % of the diagonal at most. " + r.diagnosis.message);
+               std::to_string(r.surface.V.rows()) + " vertices moved, by " + most + r.diagnosis.message);
   return 0;
 }
 

@@ -25,6 +25,7 @@ struct MeshCommand {
   std::string input, output, report, format, save_stages, resume;
   std::string on_infeasible = "reject", preset = "default";
   double improve_degrees = 15;
+  double max_move = 6;  // percent of the diagonal, of a repair
 };
 
 struct InspectCommand {
@@ -33,7 +34,8 @@ struct InspectCommand {
 };
 
 struct RepairCommand {
-  std::string input, output;
+  std::string input, output, report;
+  bool surface_only = false;
   double max_move = 6;  // percent of the diagonal
 };
 

@@ -378,6 +378,7 @@ Status run_repairing(const Surface& surface, const PipelineOptions& options, con
   const InputRecord input = report.input;
   const std::optional<WitnessRecord> witness = report.witness;
   RepairOptions repairs;
+  repairs.max_relative_move = options.max_repair_move;
   for (int round = 0; round < kRepairs && !done && repairable(done.error()); ++round) {
     repairs.place = unglued;
     Result<RepairResult> fixed =
@@ -417,6 +418,8 @@ Status run_repairing(const Surface& surface, const PipelineOptions& options, con
     report.witness.reset();
     report.moved_vertices = static_cast<std::int64_t>(fixed.value().moved.size());
     report.max_relative_move = fixed.value().max_relative;
+    report.mean_relative_move = fixed.value().mean_relative;
+    report.moved_ids.assign(fixed.value().moved.begin(), fixed.value().moved.end());
     return done;
   }
   return first;
@@ -427,6 +430,8 @@ Status run_repairing(const Surface& surface, const PipelineOptions& options, con
 Status PipelineOptions::validate() const {
   if (!(improve_degrees >= 0 && improve_degrees <= 40))
     return Error{ErrorCode::usage, "The angle for the quality pass must lie between 0 and 40 degrees."};
+  if (!(max_repair_move > 0 && max_repair_move <= 1))
+    return Error{ErrorCode::usage, "The largest move must be a part of the diagonal between 0 and 1."};
   return success();
 }
 
@@ -489,7 +494,8 @@ PipelineResult run_pipeline(const Surface& surface, const PipelineOptions& optio
   if (!result.ok()) {
     result.mesh = {};
     result.report.moved_vertices = 0;
-    result.report.max_relative_move = 0;
+    result.report.max_relative_move = result.report.mean_relative_move = 0;
+    result.report.moved_ids.clear();
   }
   result.report.seconds = seconds_since(start);
   result.report.peak_rss_bytes = watch.peak_bytes();

@@ -14,8 +14,9 @@ namespace overtet {
 struct RepairMemory {
   VertexMatrix base;
   std::vector<int> level;
-  std::vector<char> pinned;   // vertices whose clusters are not to be moved less
-  std::vector<Index> hinges;  // of the surface that was handed out
+  std::vector<char> pinned;          // vertices whose clusters are not to be moved less
+  std::vector<Index> hinges;         // of the surface that was handed out
+  std::vector<VertexMatrix> others;  // other ways of turning its parts, not tried yet
 };
 
 namespace {
@@ -78,15 +79,20 @@ constexpr Step kLadder[] = {
 constexpr int kLevels = static_cast<int>(std::size(kLadder));
 constexpr int kCreaseLevel = kLevels - 6;
 
+constexpr int kGentleLevel = 13;  // the last of the gentle ones
+constexpr int kTurnedRings = 3;   // around turned parts only these are taken
+
 // Creases in which nearly everything crosses nearly everything (offences per vertex) are smoothed as a
 // whole, with all faces that cross so many others of the same crease.
 constexpr double kDense = 8;
 constexpr int kCreasePartners = 4;
 
-constexpr int kTurnAngles = 8;  // directions tried for turning a part, over half a turn
-constexpr double kThickness[] = {0.2, 0.1, 0.3, 0.05,
-                                 0.5};  // and how thick it is afterwards, the first for choosing
+// How thick a part is after its turn, the first for choosing directions.
+constexpr double kThickness[] = {0.3, 0.2, 0.1, 0.5, 0.05};
+constexpr int kFollowers[] = {0, 1, 3, 6};  // rings around it that follow
 constexpr int kMostTurns = 6;
+constexpr std::size_t kRefined = 3;     // ways of turning a part that are looked at closely
+constexpr std::size_t kMostTrials = 4;  // and that are kept
 
 constexpr double kFlatFace = 1e-14;  // height over reach below which a face counts as one without area
 constexpr std::size_t kFlood = 200000;
@@ -114,6 +120,7 @@ class Repair {
   Status look(bool floods);
   Offence flooded(const Offence& seed) const;
   Status turn_parts();
+  void let_follow(Turn& turn, int rings) const;
   Offence crease_around(const Offence& seed) const;
   void assign();
   void go_on();
@@ -132,7 +139,8 @@ class Repair {
   std::optional<VertexRings> rings_;
   double diagonal_ = 0, gentle_ = 0;
 
-  VertexMatrix base_;  // the input with its inside-out parts turned: what smoothing starts from
+  std::vector<VertexMatrix> bases_;  // ways of turning parts
+  VertexMatrix base_;                // the input with its inside-out parts turned: what smoothing starts from
   Surface now_;
   Diagnosis diagnosis_;
   std::vector<Offence> offences_;
@@ -233,6 +241,7 @@ Status Repair::look(bool floods) {
     if (h.B0 && *h.B0 < 0) offences_.push_back({h.vertex});
   for (const auto& group : diagnosis_.wound.odd_groups)
     for (const Index v : group) offences_.push_back({v});
+  for (const Index v : diagnosis_.wound.crowded) offences_.push_back({v});
   for (Offence& o : offences_) {
     std::sort(o.begin(), o.end());
     o.erase(std::unique(o.begin(), o.end()), o.end());
@@ -254,30 +263,56 @@ bool Repair::within(const Cluster& c, const Offence& o, int rings) {
   return sorted_share(rings_->grown(c.region, rings, scratch_), o);
 }
 
-// Turns parts that are inside out as a whole, as long as that leaves much less to object to.
+// The rings around a turned part go with it, less and less.
+void Repair::let_follow(Turn& turn, int rings) const {
+  VertexMatrix moves = VertexMatrix::Zero(now_.V.rows(), 3);
+  for (std::size_t i = 0; i < turn.vertices.size(); ++i)
+    moves.row(turn.vertices[i]) = turn.to.row(static_cast<Eigen::Index>(i)) - now_.V.row(turn.vertices[i]);
+  std::vector<char> scratch(static_cast<std::size_t>(now_.V.rows()), 0);
+  const std::vector<Index> all = rings_->grown(turn.vertices, rings, scratch);
+  std::vector<Index> rest;
+  std::set_difference(all.begin(), all.end(), turn.vertices.begin(), turn.vertices.end(),
+                      std::back_inserter(rest));
+  const VertexMatrix follow = smoothed(now_.V, moves, *rings_, rest, kMembrane);
+  if (follow.rows() == 0) return;
+  for (std::size_t i = 0; i < rest.size(); ++i) moves.row(rest[i]) = follow.row(static_cast<Eigen::Index>(i));
+  turn.vertices = all;
+  turn.to.resize(static_cast<Eigen::Index>(all.size()), 3);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    turn.to.row(static_cast<Eigen::Index>(i)) = now_.V.row(all[i]) + moves.row(all[i]);
+}
+
+// Turns parts that are inside out as a whole, as long as that leaves much less to object to. The last part's
+// best ways are kept in bases_, the best first.
 Status Repair::turn_parts() {
+  struct Trial {
+    std::size_t left;  // offences
+    double farthest;
+    const InsideOutPart* part;
+    Eigen::Vector3d along;
+    VertexMatrix V;
+  };
   double work = 0;
   const double limit = options_.max_relative_move * diagonal_ * (1 - 1e-9);
-  const auto weigh = [&]() -> Status {
-    ++out_.turn_rounds;
-    if (Status s = look(false); !s) return s;
-    work += static_cast<double>(diagnosis_.pairs.size()) + 0.01 * static_cast<double>(now_.F.rows());
-    return success();
-  };
   for (int turns = 0; turns < kMostTurns && diagnosis_.winding.negative_pairs > 0; ++turns) {
     const std::vector<InsideOutPart> parts = inside_out_parts(now_, diagnosis_, context_);
     if (auto stop = context_.stop()) return *stop;
     const VertexMatrix before = now_.V;
-    std::size_t least = (offences_.size() + 1) / 2;
-    std::optional<Turn> best;
-    double farthest = 0;
-    const InsideOutPart* best_part = nullptr;
-    double best_angle = 0;
-    const auto attempt = [&](const InsideOutPart& part, double angle, double thickness) -> Status {
-      if (work > options_.turn_work || (best && least == 0)) return success();
+    const std::size_t enough = offences_.size() / 2;
+    std::vector<Trial> trials;
+    const auto sort = [&] {
+      std::stable_sort(trials.begin(), trials.end(), [](const Trial& x, const Trial& y) {
+        return x.left != y.left ? x.left < y.left : x.farthest < y.farthest;
+      });
+      if (trials.size() > kMostTrials) trials.resize(kMostTrials);
+    };
+    const auto attempt = [&](const InsideOutPart& part, const Eigen::Vector3d& along, double thickness,
+                             int follow) -> Status {
+      if (work > options_.turn_work) return success();
       now_.V = before;
-      Turn turn = turned(now_, part, angle, thickness, gentle_);
+      Turn turn = turned(now_, part, along, thickness, gentle_);
       if (turn.vertices.empty()) return success();
+      if (follow > 0) let_follow(turn, follow);
       double far = 0;
       for (std::size_t i = 0; i < turn.vertices.size(); ++i) {
         const auto k = static_cast<Eigen::Index>(i);
@@ -285,27 +320,36 @@ Status Repair::turn_parts() {
         now_.V.row(turn.vertices[i]) = turn.to.row(k);
       }
       if (far > limit) return success();
-      if (Status s = weigh(); !s) return s;
-      if (offences_.size() > least || (offences_.size() == least && (!best || far >= farthest)))
-        return success();
-      least = offences_.size(), farthest = far;
-      best = std::move(turn), best_part = &part, best_angle = angle;
+      ++out_.turn_rounds;
+      if (Status s = look(false); !s) return s;
+      work += static_cast<double>(diagnosis_.pairs.size()) + 0.01 * static_cast<double>(now_.F.rows());
+      if (offences_.size() > enough) return success();
+      trials.push_back({offences_.size(), far, &part, along, now_.V});
       return success();
     };
     for (const InsideOutPart& part : parts)
-      for (int a = 0; a < kTurnAngles; ++a)
-        if (Status s = attempt(part, M_PI * a / kTurnAngles, kThickness[0]); !s) return s;
-    if (best)
-      for (std::size_t k = 1; k < std::size(kThickness); ++k)
-        if (Status s = attempt(*best_part, best_angle, kThickness[k]); !s) return s;
+      for (const Eigen::Vector3d& along : part.directions)
+        if (Status s = attempt(part, along, kThickness[0], 0); !s) return s;
+    sort();
+    const std::size_t promising = std::min(kRefined, trials.size());
+    for (std::size_t i = 0; i < promising; ++i) {
+      if (trials[i].left == 0) continue;
+      const InsideOutPart& part = *trials[i].part;
+      const Eigen::Vector3d along = trials[i].along;
+      for (const int follow : kFollowers)
+        for (const double thickness : kThickness)
+          if (follow > 0 || thickness != kThickness[0])
+            if (Status s = attempt(part, along, thickness, follow); !s) return s;
+    }
+    sort();
     now_.V = before;
-    if (!best) break;
-    for (std::size_t i = 0; i < best->vertices.size(); ++i)
-      now_.V.row(best->vertices[i]) = best->to.row(static_cast<Eigen::Index>(i));
+    if (trials.empty()) break;
+    bases_.clear();
+    for (Trial& t : trials) bases_.push_back(std::move(t.V));
+    now_.V = bases_[0];
     ++out_.turned_parts;
     if (Status s = look(false); !s) return s;
   }
-  base_ = now_.V;
   return success();
 }
 
@@ -681,10 +725,14 @@ Result<RepairResult> Repair::run() {
     out_.termination = "nothing to repair";
     return std::move(out_);
   }
+  // Until nothing objects; next to parts that were turned only gently: what smooths more turns them back.
+  std::vector<char> turned_near(static_cast<std::size_t>(input_.V.rows()), 0);
   const auto climb = [&]() -> Status {
     exhausted_ = false;
     for (int round = 0; !offences_.empty() && round < options_.max_rounds; ++round) {
       assign();
+      for (std::size_t v = 0; v < level_.size(); ++v)
+        if (turned_near[v] && level_[v] > kGentleLevel) exhausted_ = true;
       if (exhausted_) break;
       place();
       compose();
@@ -693,18 +741,38 @@ Result<RepairResult> Repair::run() {
     }
     return success();
   };
+  const auto from = [&](const VertexMatrix& base) -> Status {
+    base_ = base;
+    clusters_.clear();
+    level_.assign(input_.V.rows(), -1);
+    pinned_.assign(input_.V.rows(), 0);
+    compose();
+    return look(false);
+  };
+  const auto look_for_turned = [&] {
+    Offence seeds;
+    for (Index v = 0; v < static_cast<Index>(input_.V.rows()); ++v)
+      if (base_.row(v) != input_.V.row(v)) seeds.push_back(v);
+    std::fill(turned_near.begin(), turned_near.end(), 0);
+    for (const Index v : rings_->grown(seeds, kTurnedRings, scratch_)) turned_near[v] = 1;
+  };
+  look_for_turned();
   if (Status s = climb(); !s) return s.error();
   if (!offences_.empty() && !hopeless_ && !asked) {
     // Smoothing does not do it: there may be parts to turn over.
-    clusters_.clear();
-    level_.assign(input_.V.rows(), -1);
-    compose();
-    if (Status s = look(false); !s) return s.error();
+    if (Status s = from(input_.V); !s) return s.error();
     if (Status s = turn_parts(); !s) return s.error();
     add_round();
-    if (out_.turned_parts > 0)
-      if (Status s = climb(); !s) return s.error();
+  } else if (options_.earlier) {
+    bases_ = options_.earlier->others;
   }
+  std::size_t tried = 0;
+  for (; tried < bases_.size() && (!offences_.empty() || (tried == 0 && out_.turned_parts > 0)); ++tried) {
+    if (Status s = from(bases_[tried]); !s) return s.error();
+    look_for_turned();
+    if (Status s = climb(); !s) return s.error();
+  }
+  bases_.erase(bases_.begin(), bases_.begin() + static_cast<std::ptrdiff_t>(tried));
   if (hopeless_) return inside_out();
   if (!offences_.empty()) {
     const Index v = offences_[0][0];
@@ -720,6 +788,7 @@ Result<RepairResult> Repair::run() {
   memory->base = base_;
   memory->level = level_;
   memory->pinned = pinned_;
+  memory->others = std::move(bases_);
   for (const Hinge& h : diagnosis_.hinges) memory->hinges.push_back(h.vertex);
   out_.memory = std::move(memory);
   out_.surface = now_;

@@ -4,7 +4,6 @@
 #include <Eigen/Geometry>
 #include <Eigen/SparseCore>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -21,20 +20,17 @@ using Eigen::Vector3d;
 // Faces whose normals make a larger angle than this belong to different parts: where an inside-out part
 // begins, the normals jump. No single threshold fits all surfaces, so each gives candidates.
 constexpr double kCreases[] = {0.0, 0.3, 0.5, 0.7, 0.85, 0.95};  // cosines
+constexpr double kStretches[] = {4, 10};                         // longest edges over the median one
 // Of a part's area that must have negative winding in front: the rest may lie inside other parts.
 constexpr double kNegativeShare = 0.25;
 constexpr std::size_t kMostParts = 8;
 constexpr int kMostSamples = 40;  // of one face
 constexpr std::size_t kFewestFaces = 4;
-constexpr double kAhead = 1e-6;    // of the diagonal: in front of a face
-constexpr double kGrazing = 0.05;  // cosine between a direction and a normal: no wall across it
-constexpr double kStay = 1e-3;     // how strongly vertices stay where no pair of walls moves them
-
-struct Sample {
-  Vector3d at, normal;
-  double part[3];  // barycentric
-  double area = 0;
-};
+constexpr std::size_t kMostFlooded = 200000;  // samples
+constexpr int kAngles = 8;                    // directions across a part, over half a turn
+constexpr double kAhead = 1e-6;               // of the diagonal: in front of a face
+constexpr double kGrazing = 0.05;             // cosine between a direction and a normal: no wall across it
+constexpr double kStay = 1e-3;                // how strongly vertices stay where no pair of walls moves them
 
 double longest_edge(const Surface& s, Index f) {
   double most = 0;
@@ -54,7 +50,7 @@ double median_edge(const Surface& s) {
 double diagonal_of(const Surface& s) { return (s.V.colwise().maxCoeff() - s.V.colwise().minCoeff()).norm(); }
 
 // Evenly spread points of a face, more of them the longer it is.
-void sample(const Surface& s, Index f, double spacing, std::vector<Sample>& out) {
+void sample(const Surface& s, Index f, double spacing, std::vector<WallSample>& out) {
   const Vector3d a = s.V.row(s.F(f, 0)), b = s.V.row(s.F(f, 1)), c = s.V.row(s.F(f, 2));
   const Vector3d n = (b - a).cross(c - a);
   const double twice = n.norm();
@@ -69,7 +65,7 @@ void sample(const Surface& s, Index f, double spacing, std::vector<Sample>& out)
       v = std::fmod(0.5 + 0.5698402909980532 * (i + 1), 1.0);
       if (u + v > 1) u = 1 - u, v = 1 - v;
     }
-    out.push_back({a + u * (b - a) + v * (c - a), n / twice, {1 - u - v, u, v}, twice / 2 / count});
+    out.push_back({f, a + u * (b - a) + v * (c - a), n / twice, {1 - u - v, u, v}, twice / 2 / count});
   }
 }
 
@@ -82,135 +78,277 @@ std::vector<Index> vertices_of(const Surface& s, const std::vector<Index>& faces
   return all;
 }
 
+// The nearest of a tree's faces that the ray hits from its front, with barycentric coordinates.
+struct Hit {
+  Index row = -1;
+  double far = 1e300, weights[3] = {};
+};
+
+class Walls {
+ public:
+  Walls(const Surface& surface, const std::vector<Index>& faces)
+      : surface_(surface), own_(static_cast<Eigen::Index>(faces.size()), 3) {
+    for (std::size_t i = 0; i < faces.size(); ++i)
+      own_.row(static_cast<Eigen::Index>(i)) = surface.F.row(faces[i]);
+    tree_.build(surface.V, own_);
+  }
+
+  Hit opposite(const Vector3d& from, const Vector3d& d, Index but, double slack) const {
+    Hit hit;
+    const Vector3d p = from + slack * d;
+    tree_.query_ray(p.data(), d.data(), slack, [&](Index g) {
+      if (g == but) return;
+      const Vector3d a = corner(g, 0), e1 = corner(g, 1) - a, e2 = corner(g, 2) - a, q = d.cross(e2),
+                     t = p - a;
+      const double det = e1.dot(q);
+      if (!(det != 0)) return;
+      const double u = t.dot(q) / det, v = d.dot(t.cross(e1)) / det, far = e2.dot(t.cross(e1)) / det;
+      if (!(u >= 0 && v >= 0 && u + v <= 1 && far > 0) || far > hit.far || (far == hit.far && g > hit.row))
+        return;
+      hit = {g, far, {1 - u - v, u, v}};
+    });
+    if (hit.row >= 0 &&
+        (corner(hit.row, 1) - corner(hit.row, 0)).cross(corner(hit.row, 2) - corner(hit.row, 0)).dot(d) >= 0)
+      hit.row = -1;
+    return hit;
+  }
+
+  Index vertex(Index row, int k) const { return own_(row, k); }
+
+ private:
+  Vector3d corner(Index f, int k) const { return surface_.V.row(own_(f, k)); }
+
+  const Surface& surface_;
+  TriangleMatrix own_;
+  TriangleBvh tree_;
+};
+
+class UnionFind {
+ public:
+  explicit UnionFind(Index n) : parent_(static_cast<std::size_t>(n)) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
+  Index root(Index i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void join(Index a, Index b) { parent_[root(a)] = root(b); }
+
+ private:
+  std::vector<Index> parent_;
+};
+
+class PartFinder {
+ public:
+  PartFinder(const Surface& surface, const Diagnosis& diagnosis, const RunContext& context)
+      : surface_(surface),
+        diagnosis_(diagnosis),
+        context_(context),
+        n_(static_cast<Index>(surface.F.rows())),
+        ahead_(kAhead * diagonal_of(surface)),
+        spacing_(median_edge(surface)),
+        winding_(surface, *diagnosis.bvh) {}
+
+  std::vector<InsideOutPart> run() {
+    if (!(spacing_ > 0)) return {};
+    find_creased();
+    find_regions();
+    std::stable_sort(parts_.begin(), parts_.end(), [](const InsideOutPart& a, const InsideOutPart& b) {
+      return a.negative_area > b.negative_area;
+    });
+    if (parts_.size() > kMostParts) parts_.resize(kMostParts);
+    return std::move(parts_);
+  }
+
+ private:
+  bool negative(const WallSample& x) const {
+    const Vector3d p = x.at + ahead_ * x.normal;
+    const auto w = winding_.at(p.data());
+    return w && *w < 0;
+  }
+
+  Index twin_face(Index h) const { return half_edge_face(diagnosis_.topology.topology.twin[h]); }
+
+  void finish(InsideOutPart part) {
+    part.vertices = vertices_of(surface_, part.faces);
+    Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+    for (const WallSample& x : part.samples) spread += x.area * x.normal * x.normal.transpose();
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
+    for (int k = 0; k < kAngles; ++k) {
+      const double angle = M_PI * k / kAngles;
+      part.directions.push_back(std::cos(angle) * axes.eigenvectors().col(2) +
+                                std::sin(angle) * axes.eigenvectors().col(1));
+    }
+    if (!part.creased) part.directions.push_back(axes.eigenvectors().col(0));
+    parts_.push_back(std::move(part));
+  }
+
+  // What sharp creases cut off and negative winding is in front of.
+  void find_creased() {
+    std::vector<Vector3d> normal(static_cast<std::size_t>(n_));
+    for (Index f = 0; f < n_; ++f) {
+      const Vector3d a = surface_.V.row(surface_.F(f, 0)), b = surface_.V.row(surface_.F(f, 1)),
+                     c = surface_.V.row(surface_.F(f, 2));
+      normal[f] = (b - a).cross(c - a).normalized();
+    }
+    for (const double crease : kCreases)
+      add_connected([&](Index f, Index g) { return normal[f].dot(normal[g]) > crease; });
+    // What was pulled long, creases or not.
+    std::vector<double> length(static_cast<std::size_t>(n_));
+    for (Index f = 0; f < n_; ++f) length[f] = longest_edge(surface_, f);
+    for (const double stretch : kStretches)
+      add_connected(
+          [&](Index f, Index g) { return length[f] > stretch * spacing_ && length[g] > stretch * spacing_; });
+  }
+
+  // The sets of faces that edges join, where there is enough negative winding in front of them.
+  template <class Joined>
+  void add_connected(Joined&& joined) {
+    const SurfaceTopology& topology = diagnosis_.topology.topology;
+    UnionFind sets(n_);
+    for (Index h = 0; h < 3 * n_; ++h) {
+      const Index f = half_edge_face(h), g = twin_face(h);
+      if (f < g && joined(f, g)) sets.join(f, g);
+    }
+    std::vector<char> touched(static_cast<std::size_t>(n_), 0);
+    for (const auto& [f, g] : diagnosis_.winding.negative_at)
+      if (f >= 0) touched[sets.root(f)] = touched[sets.root(g)] = 1;
+    std::vector<std::vector<Index>> faces(static_cast<std::size_t>(n_));
+    for (Index f = 0; f < n_; ++f)
+      if (touched[sets.root(f)]) faces[sets.root(f)].push_back(f);
+    for (Index r = 0; r < n_; ++r) {
+      if (faces[r].size() < kFewestFaces) continue;
+      if (static_cast<Index>(faces[r].size()) > topology.components[topology.component_of_face[r]].faces / 2)
+        continue;  // what the rest hangs on
+      if (std::any_of(parts_.begin(), parts_.end(),
+                      [&](const InsideOutPart& p) { return p.faces == faces[r]; }))
+        continue;
+      if (context_.stop()) return;
+      InsideOutPart part;
+      for (const Index f : faces[r]) sample(surface_, f, spacing_, part.samples);
+      double all = 0;
+      for (const WallSample& x : part.samples) {
+        all += x.area;
+        if (negative(x)) part.negative_area += x.area;
+      }
+      if (!(part.negative_area > kNegativeShare * all)) continue;
+      part.faces = std::move(faces[r]);
+      finish(std::move(part));
+    }
+  }
+
+  // All walls of a region of negative winding.
+  void find_regions() {
+    std::vector<Index> list;
+    std::vector<char> seen(static_cast<std::size_t>(n_), 0);
+    const auto look_at = [&](Index f) {
+      if (f >= 0 && !seen[f]) seen[f] = 1, list.push_back(f);
+    };
+    for (const auto& [f, g] : diagnosis_.winding.negative_at) look_at(f), look_at(g);
+    std::vector<WallSample> samples, here;
+    std::vector<Index> walls;
+    for (std::size_t i = 0; i < list.size() && samples.size() < kMostFlooded; ++i) {
+      if (i % 256 == 0 && context_.stop()) return;
+      here.clear();
+      sample(surface_, list[i], spacing_, here);
+      std::erase_if(here, [&](const WallSample& x) { return !negative(x); });
+      if (here.empty()) continue;
+      samples.insert(samples.end(), here.begin(), here.end());
+      walls.push_back(list[i]);
+      for (Index h = 3 * list[i]; h < 3 * list[i] + 3; ++h) look_at(twin_face(h));
+    }
+    std::sort(walls.begin(), walls.end());
+    const auto row_of = [&](Index f) {
+      const auto i = std::lower_bound(walls.begin(), walls.end(), f);
+      return i != walls.end() && *i == f ? static_cast<Index>(i - walls.begin()) : -1;
+    };
+    const auto rows = static_cast<Index>(walls.size());
+    UnionFind sets(rows);
+    for (Index i = 0; i < rows; ++i)
+      for (Index h = 3 * walls[i]; h < 3 * walls[i] + 3; ++h)
+        if (const Index j = row_of(twin_face(h)); j >= 0) sets.join(i, j);
+    const Walls all(surface_, walls);
+    for (const WallSample& x : samples) {
+      const Hit hit = all.opposite(x.at, x.normal, row_of(x.face), ahead_);
+      if (hit.row >= 0) sets.join(row_of(x.face), hit.row);
+    }
+    std::vector<InsideOutPart> found(static_cast<std::size_t>(rows));
+    for (Index i = 0; i < rows; ++i) found[sets.root(i)].faces.push_back(walls[i]);
+    for (const WallSample& x : samples) {
+      InsideOutPart& part = found[sets.root(row_of(x.face))];
+      part.samples.push_back(x);
+      part.negative_area += x.area;
+    }
+    for (InsideOutPart& part : found) {
+      if (part.faces.size() < kFewestFaces) continue;
+      part.creased = false;
+      finish(std::move(part));
+    }
+  }
+
+  const Surface& surface_;
+  const Diagnosis& diagnosis_;
+  const RunContext& context_;
+  const Index n_;
+  const double ahead_, spacing_;
+  const WindingNumber winding_;
+  std::vector<InsideOutPart> parts_;
+};
+
 }  // namespace
 
 std::vector<InsideOutPart> inside_out_parts(const Surface& surface, const Diagnosis& diagnosis,
                                             const RunContext& context) {
-  std::vector<InsideOutPart> parts;
-  const Index n = static_cast<Index>(surface.F.rows());
-  const SurfaceTopology& topology = diagnosis.topology.topology;
-  const double diagonal = diagonal_of(surface), spacing = median_edge(surface);
-  if (!diagnosis.bvh || !(spacing > 0)) return parts;
-  const WindingNumber winding(surface, *diagnosis.bvh);
-  std::vector<Vector3d> normal(static_cast<std::size_t>(n));
-  for (Index f = 0; f < n; ++f) {
-    const Vector3d a = surface.V.row(surface.F(f, 0)), b = surface.V.row(surface.F(f, 1)),
-                   c = surface.V.row(surface.F(f, 2));
-    normal[f] = (b - a).cross(c - a).normalized();
-  }
-  for (const double crease : kCreases) {
-    std::vector<Index> parent(static_cast<std::size_t>(n));
-    std::iota(parent.begin(), parent.end(), 0);
-    const auto root = [&](Index i) {
-      while (parent[i] != i) i = parent[i] = parent[parent[i]];
-      return i;
-    };
-    for (Index h = 0; h < 3 * n; ++h) {
-      const Index f = half_edge_face(h), g = half_edge_face(topology.twin[h]);
-      if (f < g && normal[f].dot(normal[g]) > crease) parent[root(f)] = root(g);
-    }
-    std::vector<char> touched(static_cast<std::size_t>(n), 0);
-    for (const auto& [f, g] : diagnosis.winding.negative_at)
-      if (f >= 0) touched[root(f)] = touched[root(g)] = 1;
-    std::vector<std::vector<Index>> faces(static_cast<std::size_t>(n));
-    for (Index f = 0; f < n; ++f)
-      if (touched[root(f)]) faces[root(f)].push_back(f);
-    for (Index r = 0; r < n; ++r) {
-      if (faces[r].size() < kFewestFaces) continue;
-      if (static_cast<Index>(faces[r].size()) > topology.components[topology.component_of_face[r]].faces / 2)
-        continue;  // what the rest hangs on
-      if (std::any_of(parts.begin(), parts.end(),
-                      [&](const InsideOutPart& p) { return p.faces == faces[r]; }))
-        continue;
-      if (context.stop()) return {};
-      std::vector<Sample> samples;
-      for (const Index f : faces[r]) sample(surface, f, spacing, samples);
-      double all = 0, negative = 0;
-      Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-      for (const Sample& x : samples) {
-        const Vector3d ahead = x.at + kAhead * diagonal * x.normal;
-        const auto w = winding.at(ahead.data());
-        all += x.area;
-        if (w && *w < 0) negative += x.area;
-        spread += x.area * x.normal * x.normal.transpose();
-      }
-      if (!(negative > kNegativeShare * all)) continue;
-      InsideOutPart part;
-      part.vertices = vertices_of(surface, faces[r]);
-      part.faces = std::move(faces[r]);
-      part.negative_area = negative;
-      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
-      part.across[0] = axes.eigenvectors().col(2);
-      part.across[1] = axes.eigenvectors().col(1);
-      parts.push_back(std::move(part));
-    }
-  }
-  std::stable_sort(parts.begin(), parts.end(), [](const InsideOutPart& a, const InsideOutPart& b) {
-    return a.negative_area > b.negative_area;
-  });
-  if (parts.size() > kMostParts) parts.resize(kMostParts);
-  return parts;
+  if (!diagnosis.bvh) return {};
+  return PartFinder(surface, diagnosis, context).run();
 }
 
-Turn turned(const Surface& surface, const InsideOutPart& part, double angle, double thickness, double thin) {
-  const double diagonal = diagonal_of(surface), spacing = median_edge(surface);
-  const Vector3d along = std::cos(angle) * part.across[0] + std::sin(angle) * part.across[1];
-  TriangleMatrix own(static_cast<Eigen::Index>(part.faces.size()), 3);
-  std::vector<Sample> samples;
-  std::vector<Index> face_of;
-  for (std::size_t i = 0; i < part.faces.size(); ++i) {
-    own.row(static_cast<Eigen::Index>(i)) = surface.F.row(part.faces[i]);
-    sample(surface, part.faces[i], spacing, samples);
-    face_of.resize(samples.size(), static_cast<Index>(i));
-  }
-  const TriangleBvh tree(surface.V, own);
-  const auto corner = [&](Index f, int k) { return Vector3d(surface.V.row(own(f, k))); };
+Turn turned(const Surface& surface, const InsideOutPart& part, const Vector3d& along, double thickness,
+            double thin) {
+  const double slack = 1e-9 * diagonal_of(surface);
+  const Walls walls(surface, part.faces);
   const auto n = static_cast<int>(part.vertices.size());
   const auto column = [&](Index v) {
     return static_cast<int>(std::lower_bound(part.vertices.begin(), part.vertices.end(), v) -
                             part.vertices.begin());
   };
-  std::vector<Eigen::Triplet<double>> entries;
-  VertexMatrix right = VertexMatrix::Zero(n, 3);
+  // Opposite points: what they are combinations of, how far apart, and how much they count.
+  struct Pair {
+    int id[6];
+    double part[6], distance, sign, weight;
+  };
+  std::vector<Pair> pairs;
   double total = 0, thickest = 0;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const Sample& x = samples[i];
+  for (const WallSample& x : part.samples) {
     total += x.area;
     const double facing = x.normal.dot(along);
     if (std::fabs(facing) < kGrazing) continue;
+    const auto own = static_cast<Index>(std::lower_bound(part.faces.begin(), part.faces.end(), x.face) -
+                                        part.faces.begin());
     const double sign = facing > 0 ? 1 : -1;
-    const Vector3d d = sign * along, p = x.at + 1e-9 * diagonal * d;
-    double nearest = 1e300, u = 0, v = 0;
-    Index hit = -1;
-    tree.query_ray(p.data(), d.data(), 1e-9 * diagonal, [&](Index g) {
-      if (g == face_of[i]) return;
-      const Vector3d a = corner(g, 0), e1 = corner(g, 1) - a, e2 = corner(g, 2) - a, q = d.cross(e2),
-                     t = p - a;
-      const double det = e1.dot(q);
-      if (!(det != 0)) return;
-      const double s1 = t.dot(q) / det, s2 = d.dot(t.cross(e1)) / det, far = e2.dot(t.cross(e1)) / det;
-      if (s1 >= 0 && s2 >= 0 && s1 + s2 <= 1 && far > 0 && far < nearest)
-        nearest = far, hit = g, u = s1, v = s2;
-    });
-    if (hit < 0 || (corner(hit, 1) - corner(hit, 0)).cross(corner(hit, 2) - corner(hit, 0)).dot(d) >= 0)
-      continue;
-    thickest = std::max(thickest, nearest);
-    const double weight = x.area * std::fabs(facing), want = sign * nearest * (1 + thickness);
-    const double other[3] = {1 - u - v, u, v};
-    int id[6];
-    double part_of[6];
+    const Hit hit = walls.opposite(x.at, sign * along, own, slack);
+    if (hit.row < 0) continue;
+    thickest = std::max(thickest, hit.far);
+    Pair p;
     for (int k = 0; k < 3; ++k) {
-      id[k] = column(own(face_of[i], k)), part_of[k] = x.part[k];
-      id[3 + k] = column(own(hit, k)), part_of[3 + k] = -other[k];
+      p.id[k] = column(surface.F(x.face, k)), p.part[k] = x.weights[k];
+      p.id[3 + k] = column(walls.vertex(hit.row, k)), p.part[3 + k] = -hit.weights[k];
     }
-    for (int a = 0; a < 6; ++a) {
-      right(id[a], 0) += weight * part_of[a] * want;
-      for (int b = 0; b < 6; ++b)
-        if (id[a] >= id[b]) entries.emplace_back(id[a], id[b], weight * part_of[a] * part_of[b]);
-    }
+    p.distance = hit.far, p.sign = sign, p.weight = x.area * std::fabs(facing);
+    pairs.push_back(p);
   }
   Turn out;
   if (!(thickest > thin)) return out;
+  std::vector<Eigen::Triplet<double>> entries;
+  VertexMatrix right = VertexMatrix::Zero(n, 3);
+  for (const Pair& p : pairs) {
+    const double want = p.sign * (p.distance + thickness * (part.creased ? p.distance : thickest));
+    for (int a = 0; a < 6; ++a) {
+      right(p.id[a], 0) += p.weight * p.part[a] * want;
+      for (int b = 0; b < 6; ++b)
+        if (p.id[a] >= p.id[b]) entries.emplace_back(p.id[a], p.id[b], p.weight * p.part[a] * p.part[b]);
+    }
+  }
   for (int i = 0; i < n; ++i) entries.emplace_back(i, i, kStay * total / n);
   SymmetricMatrix Q(n, n);
   Q.setFromTriplets(entries.begin(), entries.end());

@@ -2,8 +2,8 @@
 // whose wall faces inwards, a dome pushed out through the far side. Internal to src/repair.
 //
 // Such a part bounds a region of negative winding number, with walls that face each other across it. Turning
-// it moves the walls through each other along one direction, each half of the way and a little more, so that
-// the region has positive thickness afterwards: a reflection, squashed. One direction for a whole part:
+// it moves the walls through each other along one direction, each half of the way and a little more, so
+// that the region has positive thickness afterwards: a reflection, squashed. One direction for a whole part:
 // moving every point along its own normal to the opposite wall would turn a tube by half a turn around its
 // axis and leave it inside out. Least squares over pairs of opposite points decide how far each vertex goes,
 // so that long thin faces and curved parts keep their walls apart everywhere.
@@ -17,11 +17,23 @@
 
 namespace overtet {
 
+// A point of a part's face.
+struct WallSample {
+  Index face = -1;  // of the surface
+  Eigen::Vector3d at, normal;
+  double weights[3] = {};  // barycentric
+  double area = 0;
+};
+
 struct InsideOutPart {
   std::vector<Index> faces;     // sorted
   std::vector<Index> vertices;  // sorted
-  double negative_area = 0;     // of those faces, in front of which the winding number is negative
-  Eigen::Vector3d across[2];    // span the plane in which the walls' normals lie, the main one first
+  std::vector<WallSample> samples;
+  double negative_area = 0;  // of those faces, in front of which the winding number is negative
+  // A wall that faces inwards all over, with creases where it begins; else all that surrounds one region of
+  // negative winding, whose walls have come through each other.
+  bool creased = true;
+  std::vector<Eigen::Vector3d> directions;  // worth turning it along
 };
 
 struct Turn {
@@ -34,9 +46,10 @@ struct Turn {
 std::vector<InsideOutPart> inside_out_parts(const Surface& surface, const Diagnosis& diagnosis,
                                             const RunContext& context);
 
-// The part turned along cos(angle) across[0] + sin(angle) across[1]; its walls end up `thickness` times as
-// far apart as they were. No vertices when no two walls face each other along that direction, or when all
-// that do are closer than `thin`.
-Turn turned(const Surface& surface, const InsideOutPart& part, double angle, double thickness, double thin);
+// The part turned along a unit direction. Its walls end up `thickness` times as far apart as they were, where
+// it is creased; else that part of the largest distance, everywhere. No vertices when no two walls face
+// each other along that direction, or when all that do are closer than `thin`.
+Turn turned(const Surface& surface, const InsideOutPart& part, const Eigen::Vector3d& along, double thickness,
+            double thin);
 
 }  // namespace overtet

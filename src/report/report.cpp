@@ -105,7 +105,10 @@ std::string to_json(const Report& r) {
   j["status"] = name_of(r.status);
   j["message"] = r.message;
   if (r.witness) j["witness"] = json_of(*r.witness);
-  j["moved"] = {{"vertices", r.moved_vertices}, {"max_relative", r.max_relative_move}};
+  j["moved"] = {{"vertices", r.moved_vertices},
+                {"max_relative", r.max_relative_move},
+                {"mean_relative", r.mean_relative_move},
+                {"ids", r.moved_ids}};
   j["stages"] = Json::array();
   for (const StageRecord& s : r.stages) {
     Json stage = {{"name", s.name},

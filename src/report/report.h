@@ -60,7 +60,8 @@ struct Report {
   std::string message;
   std::optional<WitnessRecord> witness;
   std::int64_t moved_vertices = 0;
-  double max_relative_move = 0;
+  double max_relative_move = 0, mean_relative_move = 0;  // of the diagonal; the mean of those that moved
+  std::vector<std::int64_t> moved_ids;                   // the vertices, sorted
   std::vector<StageRecord> stages;
   std::optional<TetQuality> quality;
   double seconds = 0;

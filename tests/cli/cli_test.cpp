@@ -206,6 +206,26 @@ TEST_F(Cli, Infeasible) {
 }
 
 // Whoever reads the witness must not take the hinges for a point or a vertex that proves something by itself.
+TEST_F(Cli, RepairMakesAMeshOrASurface) {
+  Surface s = test::box(4);  // a face without area
+  s.V.row(s.F(40, 0)) = (s.V.row(s.F(40, 1)) + s.V.row(s.F(40, 2))) / 2;
+  const std::string in = save("a.off", s);
+  const std::string mesh = folder_.file("o.mesh"), surface = folder_.file("o.off");
+  ShellResult r = run("repair " + in + " -o " + mesh + " --report " + folder_.file("r.json"));
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  const json j = report("r.json");
+  EXPECT_EQ(j["status"], "repaired");
+  EXPECT_EQ(j["moved"]["ids"].size(), j["moved"]["vertices"].get<std::size_t>());
+  EXPECT_GT(j["moved"]["mean_relative"], 0.0);
+  EXPECT_LE(j["moved"]["mean_relative"], j["moved"]["max_relative"]);
+  r = run("repair " + in + " -o " + surface + " --surface-only");
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_EQ(run("verify " + surface + " " + mesh).exit_code, 0);
+  EXPECT_EQ(run("repair " + in + " -o " + surface).exit_code, 0);
+  EXPECT_EQ(run("repair " + in + " -o " + mesh + " --surface-only").exit_code, 2);
+  EXPECT_EQ(run("repair " + in + " -o " + surface + " --report " + folder_.file("r.json")).exit_code, 2);
+}
+
 TEST_F(Cli, UnpairedHingesAreInfeasible) {
   const std::string in = save("elbow.off", test::obstructed_elbow(0));
   const ShellResult r =

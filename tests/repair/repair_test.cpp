@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "src/pipeline/pipeline.h"
 #include "tests/support/models.h"
@@ -59,6 +60,133 @@ Surface folded(double past) {
   s.V.row(v) += (1 + past) * (next - s.V.row(v)) * 1.7;
   s.V.row(v) *= 0.97;
   return s;
+}
+
+// A thin capsule whose end was carried off and back, so that what joins the two is inside out.
+Surface inside_out_limb(double sideways, double back) {
+  Surface s = test::capsule(6, 0.2, 20);
+  Eigen::Index axis = 0;
+  (s.V.colwise().maxCoeff() - s.V.colwise().minCoeff()).maxCoeff(&axis);
+  const double high = s.V.col(axis).maxCoeff(), low = s.V.col(axis).minCoeff();
+  for (Index v = 0; v < s.V.rows(); ++v)
+    if (s.V(v, axis) > high - 0.2 * (high - low)) {
+      s.V(v, axis) -= back;
+      s.V(v, (axis + 1) % 3) += sideways;
+    }
+  return s;
+}
+
+// A cylinder bent about an axis that runs through it, so that many faces meet along that axis, a little
+// crumpled.
+Surface crumpled_elbow(double degrees) {
+  constexpr int kAround = 20, kFan = 16;
+  constexpr double kAxis = 0.53;
+  const double angle = degrees * M_PI / 180;
+  const auto bent = [&](double x, double y, double z) {
+    const double part = std::clamp(x, 0.0, 1.0), rest = x - part, a = angle * part, q = y - kAxis;
+    return Eigen::RowVector3d(rest > 0 ? rest * std::cos(a) - std::sin(a) * q : rest - std::sin(a) * q,
+                              kAxis + std::cos(a) * q + (rest > 0 ? rest * std::sin(a) : 0), z);
+  };
+  std::vector<double> at;
+  for (int i = 0; i < 8; ++i) at.push_back(-4 + 0.5 * i);
+  for (int i = 0; i <= kFan; ++i) at.push_back(static_cast<double>(i) / kFan);
+  for (int i = 1; i <= 8; ++i) at.push_back(1 + 0.5 * i);
+  Surface s;
+  const auto n = static_cast<Index>(at.size());
+  s.V.resize(n * kAround + 2, 3);
+  s.F.resize(2 * n * kAround, 3);
+  for (Index i = 0; i < n; ++i)
+    for (int k = 0; k < kAround; ++k) {
+      const double t = 2 * M_PI * k / kAround;
+      s.V.row(i * kAround + k) = bent(at[i], std::cos(t), std::sin(t));
+    }
+  s.V.row(n * kAround) = bent(-4.5, 0, 0);
+  s.V.row(n * kAround + 1) = bent(5.5, 0, 0);
+  Index f = 0;
+  for (int k = 0; k < kAround; ++k) {
+    const int l = (k + 1) % kAround;
+    for (Index i = 0; i + 1 < n; ++i) {
+      const Index a = i * kAround + k, b = i * kAround + l;
+      s.F.row(f++) << a, b + kAround, b;
+      s.F.row(f++) << a, a + kAround, b + kAround;
+    }
+    s.F.row(f++) << n * kAround, k, l;
+    s.F.row(f++) << n * kAround + 1, (n - 1) * kAround + l, (n - 1) * kAround + k;
+  }
+  for (Index v = 0; v < s.V.rows(); ++v)
+    for (int k = 0; k < 3; ++k) s.V(v, k) += 2e-3 * std::sin(12.9898 * v + 78.233 * k);
+  return test::signed_volume(s) > 0 ? s : test::flipped(s);
+}
+
+TEST(Repair, LimbsThatAreInsideOutAreTurned) {
+  const Surface s = inside_out_limb(2.5, 3.0);
+  ASSERT_TRUE(test::is_closed_oriented(s));
+  ASSERT_EQ(verdict_of(s), Verdict::infeasible);
+  const RepairResult r = repaired(s);
+  EXPECT_GE(r.turned_parts, 1);
+}
+
+TEST(Repair, CreasesAreSmoothed) {
+  int infeasible = 0;
+  for (const double degrees : {70.0, 120.0}) {
+    SCOPED_TRACE(degrees);
+    const Surface s = crumpled_elbow(degrees);
+    ASSERT_TRUE(test::is_closed_oriented(s));
+    infeasible += verdict_of(s) == Verdict::infeasible;
+    repaired(s);
+  }
+  EXPECT_GT(infeasible, 0);
+}
+
+TEST(Repair, NearlyDegenerateFacesToo) {
+  for (const double rest : {0.0, 1e-17, 1e-15}) {
+    SCOPED_TRACE(rest);
+    Surface needle = test::box(4), point = test::sphere(2);
+    const auto f = needle.F.row(40).eval();
+    needle.V.row(f[0]) =
+        (1 - rest) * (needle.V.row(f[1]) + needle.V.row(f[2])) / 2 + rest * needle.V.row(f[0]);
+    const auto g = point.F.row(40).eval();
+    point.V.row(g[0]) =
+        (1 - rest) * point.V.row(g[1]) + rest * point.V.row(g[0]);  // two vertices in one place
+    for (const Surface& s : {needle, point}) {
+      PipelineOptions options;
+      options.on_infeasible = OnInfeasible::repair;
+      const PipelineResult r = run_pipeline(s, options, {});
+      EXPECT_TRUE(r.ok()) << r.error.message;
+      EXPECT_LE(r.report.moved_vertices, 4);
+      EXPECT_EQ(r.report.moved_ids.size(), static_cast<std::size_t>(r.report.moved_vertices));
+      EXPECT_LE(r.report.mean_relative_move, r.report.max_relative_move);
+    }
+  }
+}
+
+TEST(Repair, MovesGentlyWhereThatSuffices) {
+  const Surface s = speck(1e-3);
+  RepairOptions options;
+  options.max_relative_move = 0.7;
+  options.gentle_relative_move = 0.7;
+  const RepairResult r = repaired(s, options);
+  EXPECT_LE(r.max_relative, 0.7);
+  const RepairResult fold = repaired(folded(0.2));
+  double edges = 0;
+  const Surface f = folded(0.2);
+  for (Index i = 0; i < f.F.rows(); ++i) edges += (f.V.row(f.F(i, 0)) - f.V.row(f.F(i, 1))).norm();
+  EXPECT_LE(fold.max_relative, std::max(0.01, edges / static_cast<double>(f.F.rows()) / diagonal(f)));
+}
+
+TEST(Repair, GoesOnFromAnEarlierOne) {
+  const Surface s = speck(1e-2);
+  RepairOptions options;
+  options.max_relative_move = 0.7;
+  const RepairResult first = repaired(s, options);
+  ASSERT_TRUE(first.memory);
+  options.earlier = first.memory;
+  const RepairResult second = repaired(s, options);
+  EXPECT_NE(first.surface.V, second.surface.V);
+  options.place = first.surface.V.row(first.moved.front()).transpose();
+  const RepairResult third = repaired(s, options);
+  EXPECT_NE(first.surface.V, third.surface.V);
+  EXPECT_FALSE(repair(test::sphere(1), options, {}).ok());
 }
 
 TEST(Repair, LeavesWhatNeedsNoneAlone) {
