@@ -92,7 +92,7 @@ constexpr double kThickness[] = {0.3, 0.2, 0.1, 0.5, 0.05};
 constexpr int kFollowers[] = {0, 1, 3, 6};  // rings around it that follow
 constexpr int kMostTurns = 6;
 constexpr std::size_t kRefined = 3;     // ways of turning a part that are looked at closely
-constexpr std::size_t kMostTrials = 4;  // and that are kept
+constexpr std::size_t kMostTrials = 8;  // and that are kept
 
 constexpr double kFlatFace = 1e-14;  // height over reach below which a face counts as one without area
 constexpr std::size_t kFlood = 200000;
