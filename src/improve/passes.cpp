@@ -12,11 +12,11 @@ constexpr int kPollEvery = 64;
 // A pass that leaves more than this part of the bad tets calls for stronger means.
 constexpr double kSlow = 0.9;
 // Sines below this are hopeless for a while: thin layers grow by a factor per pass, they get more passes.
-constexpr double kThin = 1e-3;
+constexpr double kThin = 1e-2;
 constexpr int kExtraPassesForThin = 40;
 // This many passes in a row that leave nearly all bad tets, with few collapses and insertions, are enough.
 constexpr int kIdlePasses = 3;
-constexpr std::int64_t kIdlePart = 50;
+constexpr std::int64_t kIdlePart = 10;
 // Smoothing that gains less, and insertions that gain less, cost more time and tets than they are worth.
 constexpr double kSmoothGain = 1.02;
 constexpr double kInsertGain = 1.2;

@@ -26,6 +26,9 @@ constexpr int kMostGrowth = 10;
 constexpr std::size_t kLargestCavity = 60;
 constexpr std::size_t kLargestDelaunayCavity = 20000;
 constexpr int kLongestWalk = 100;
+// Of the square of the radius of the smallest sphere through a boundary face: nearer vertices are not
+// inserted.
+constexpr double kEncroaching = 0.5;
 
 // The point of the convex hull of up to kMostActive vectors that is nearest to the origin. It lies on a
 // corner, an edge or a triangle unless the origin is inside.
@@ -734,11 +737,12 @@ bool LocalOperations::insert_at_tet(Index t, double gain) {
 
 namespace {
 
-// The smallest sphere through a triangle's corners contains x.
+// The smallest sphere through a triangle's corners, a little shrunk, contains x. (Delaunay refinement that
+// may split the boundary takes the whole sphere; here vertices are wanted near it, too.)
 bool in_smallest_sphere(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& x) {
   const Vector3d u = b - a, v = c - a, n = u.cross(v);
   const Vector3d out = (u.squaredNorm() * v.cross(n) + v.squaredNorm() * n.cross(u)) / (2 * n.squaredNorm());
-  return (x - a - out).squaredNorm() < out.squaredNorm();
+  return (x - a - out).squaredNorm() < kEncroaching * out.squaredNorm();
 }
 
 }  // namespace
