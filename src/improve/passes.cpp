@@ -18,7 +18,7 @@ constexpr int kExtraPassesForThin = 40;
 constexpr int kIdlePasses = 3;
 constexpr std::int64_t kIdlePart = 10;
 // Smoothing that gains less, and insertions that gain less, cost more time and tets than they are worth.
-constexpr double kSmoothGain = 1.02;
+constexpr double kSmoothGain = 1.05;
 constexpr double kInsertGain = 1.2;
 
 struct Bad {
