@@ -8,41 +8,34 @@ namespace overtet {
 
 namespace {
 
+// One line a row: the lead, then three numbers. (No shift for coordinates: adding 0 loses the sign of -0.)
+template <class Number>
+void row(TextWriter& out, std::string_view lead, Number a, Number b, Number c) {
+  out.text(lead).number(a).character(' ').number(b).character(' ').number(c).end_line();
+}
+
+void vertices(TextWriter& out, std::string_view lead, const VertexMatrix& V) {
+  for (Eigen::Index v = 0; v < V.rows(); ++v) row(out, lead, V(v, 0), V(v, 1), V(v, 2));
+}
+
+void faces(TextWriter& out, std::string_view lead, const TriangleMatrix& F, int first) {
+  for (Eigen::Index f = 0; f < F.rows(); ++f)
+    row(out, lead, F(f, 0) + first, F(f, 1) + first, F(f, 2) + first);
+}
+
 void write_off(TextWriter& out, const Surface& s) {
   out.text("OFF\n")
       .number(std::int64_t{s.V.rows()})
       .character(' ')
       .number(std::int64_t{s.F.rows()})
       .text(" 0\n");
-  for (Eigen::Index v = 0; v < s.V.rows(); ++v)
-    out.number(s.V(v, 0)).character(' ').number(s.V(v, 1)).character(' ').number(s.V(v, 2)).end_line();
-  for (Eigen::Index f = 0; f < s.F.rows(); ++f)
-    out.text("3 ")
-        .number(s.F(f, 0))
-        .character(' ')
-        .number(s.F(f, 1))
-        .character(' ')
-        .number(s.F(f, 2))
-        .end_line();
+  vertices(out, "", s.V);
+  faces(out, "3 ", s.F, 0);
 }
 
 void write_obj(TextWriter& out, const Surface& s) {
-  for (Eigen::Index v = 0; v < s.V.rows(); ++v)
-    out.text("v ")
-        .number(s.V(v, 0))
-        .character(' ')
-        .number(s.V(v, 1))
-        .character(' ')
-        .number(s.V(v, 2))
-        .end_line();
-  for (Eigen::Index f = 0; f < s.F.rows(); ++f)
-    out.text("f ")
-        .number(s.F(f, 0) + 1)
-        .character(' ')
-        .number(s.F(f, 1) + 1)
-        .character(' ')
-        .number(s.F(f, 2) + 1)
-        .end_line();
+  vertices(out, "v ", s.V);
+  faces(out, "f ", s.F, 1);
 }
 
 template <class T>

@@ -17,49 +17,35 @@
 namespace overtet {
 namespace {
 
-std::string off_text(const Surface& s) {
-  std::string out = "OFF\n" + std::to_string(s.V.rows()) + " " + std::to_string(s.F.rows()) + " 0\n";
+// One line a vertex, then one a face; the formats take three numbers each, faces count from `first`.
+std::string rows_text(const Surface& s, const char* vertex, const char* face, int first) {
+  std::string out;
   char line[128];
   for (Index v = 0; v < s.V.rows(); ++v) {
-    std::snprintf(line, sizeof line, "%.17g %.17g %.17g\n", s.V(v, 0), s.V(v, 1), s.V(v, 2));
+    std::snprintf(line, sizeof line, vertex, s.V(v, 0), s.V(v, 1), s.V(v, 2));
     out += line;
   }
   for (Index f = 0; f < s.F.rows(); ++f) {
-    std::snprintf(line, sizeof line, "3 %d %d %d\n", s.F(f, 0), s.F(f, 1), s.F(f, 2));
+    std::snprintf(line, sizeof line, face, s.F(f, 0) + first, s.F(f, 1) + first, s.F(f, 2) + first);
     out += line;
   }
   return out;
+}
+
+std::string off_text(const Surface& s) {
+  return "OFF\n" + std::to_string(s.V.rows()) + " " + std::to_string(s.F.rows()) + " 0\n" +
+         rows_text(s, "%.17g %.17g %.17g\n", "3 %d %d %d\n", 0);
 }
 
 std::string obj_text(const Surface& s) {
-  std::string out = "# a comment\n";
-  char line[128];
-  for (Index v = 0; v < s.V.rows(); ++v) {
-    std::snprintf(line, sizeof line, "v %.17g %.17g %.17g\n", s.V(v, 0), s.V(v, 1), s.V(v, 2));
-    out += line;
-  }
-  for (Index f = 0; f < s.F.rows(); ++f) {
-    std::snprintf(line, sizeof line, "f %d %d//7 %d\n", s.F(f, 0) + 1, s.F(f, 1) + 1, s.F(f, 2) + 1);
-    out += line;
-  }
-  return out;
+  return "# a comment\n" + rows_text(s, "v %.17g %.17g %.17g\n", "f %d %d//7 %d\n", 1);
 }
 
 std::string ply_text(const Surface& s) {
-  std::string out =
-      "ply\nformat ascii 1.0\ncomment made for a test\nelement vertex " + std::to_string(s.V.rows()) +
-      "\nproperty double x\nproperty double y\nproperty double z\nproperty uchar red\nelement face " +
-      std::to_string(s.F.rows()) + "\nproperty list uchar int vertex_indices\nend_header\n";
-  char line[128];
-  for (Index v = 0; v < s.V.rows(); ++v) {
-    std::snprintf(line, sizeof line, "%.17g %.17g %.17g 255\n", s.V(v, 0), s.V(v, 1), s.V(v, 2));
-    out += line;
-  }
-  for (Index f = 0; f < s.F.rows(); ++f) {
-    std::snprintf(line, sizeof line, "3 %d %d %d\n", s.F(f, 0), s.F(f, 1), s.F(f, 2));
-    out += line;
-  }
-  return out;
+  return "ply\nformat ascii 1.0\ncomment made for a test\nelement vertex " + std::to_string(s.V.rows()) +
+         "\nproperty double x\nproperty double y\nproperty double z\nproperty uchar red\nelement face " +
+         std::to_string(s.F.rows()) + "\nproperty list uchar int vertex_indices\nend_header\n" +
+         rows_text(s, "%.17g %.17g %.17g 255\n", "3 %d %d %d\n", 0);
 }
 
 template <class T>

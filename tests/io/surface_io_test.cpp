@@ -281,6 +281,7 @@ TEST(SurfaceIo, WrittenSurfacesReadBackToTheBit) {
   s.V(0, 0) = 0x1.fffffffffffffp-1022;  // smaller than any number that prints nicely
   s.V(1, 1) = -0x1.0000000000001p+300;
   s.V(2, 2) = 0x0.0000000000001p-1022;
+  s.V(3, 0) = -0.0;
   for (const char* name : {"a.off", "a.obj", "a.ply"}) {
     ASSERT_TRUE(write_surface(folder.file(name), s, surface_format_of(name).value()).ok());
     const Result<Surface> r = read_surface(folder.file(name));
