@@ -202,6 +202,7 @@ Json to_json(const Findings& f) {
   }
   j["odd_groups"] = d.wound.odd_groups;
   j["crowded"] = d.wound.crowded;
+  j["unfillable"] = d.wound.unfillable;
   j["unmet_hinges"] = d.wound.unmet;
   j["wound_edges"] = Json::array();
   for (const WoundEdge& e : d.wound.edges) j["wound_edges"].push_back({{"a", e.a}, {"b", e.b}, {"k", e.k}});
@@ -252,6 +253,8 @@ void print_hinges(const Findings& f) {
   }
   for (std::size_t i = 0; i < d.wound.crowded.size() && i < kListed; ++i)
     std::printf("crowded     %d\n", d.wound.crowded[i]);
+  for (std::size_t i = 0; i < d.wound.unfillable.size() && i < kListed; ++i)
+    std::printf("unfillable  %d\n", d.wound.unfillable[i]);
   if (d.wound.edges.empty()) return;
   std::printf("wound       %zu edges with one turn more than they show:", d.wound.edges.size());
   for (std::size_t i = 0; i < d.wound.edges.size() && i < kListed; ++i) {

@@ -91,13 +91,13 @@ std::optional<WitnessRecord> witness_of(const Surface& surface, const Diagnosis&
       if (std::binary_search(group.begin(), group.end(), h.vertex)) add(h.vertex, h.B0.value_or(0));
     return record;
   }
-  for (const Hinge& h : d.hinges) {
-    if (d.wound.crowded.empty() || h.vertex != d.wound.crowded.front()) continue;
-    record.rule = WitnessRecord::Rule::crowded;
-    add(h.vertex, h.B0.value_or(0));
-    return record;
-  }
-  return std::nullopt;
+  const bool crowded = !d.wound.crowded.empty();
+  const std::vector<Index>& named = crowded ? d.wound.crowded : d.wound.unfillable;
+  if (named.empty()) return std::nullopt;
+  record.rule = crowded ? WitnessRecord::Rule::crowded : WitnessRecord::Rule::link;
+  for (const Hinge& h : d.hinges)
+    if (h.vertex == named.front()) add(h.vertex, h.B0.value_or(0));
+  return record;
 }
 
 }  // namespace

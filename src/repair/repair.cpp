@@ -242,6 +242,7 @@ Status Repair::look(bool floods) {
   for (const auto& group : diagnosis_.wound.odd_groups)
     for (const Index v : group) offences_.push_back({v});
   for (const Index v : diagnosis_.wound.crowded) offences_.push_back({v});
+  for (const Index v : diagnosis_.wound.unfillable) offences_.push_back({v});
   for (Offence& o : offences_) {
     std::sort(o.begin(), o.end());
     o.erase(std::unique(o.begin(), o.end()), o.end());

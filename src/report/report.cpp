@@ -38,6 +38,7 @@ Json json_of(const WitnessRecord& w) {
     case WitnessRecord::Rule::fold:
     case WitnessRecord::Rule::unpaired:
     case WitnessRecord::Rule::crowded:
+    case WitnessRecord::Rule::link:
       j["vertices"] = w.vertices;
       j["B0"] = w.B0;
       j["positions"] = w.positions;
@@ -60,6 +61,8 @@ const char* name_of(WitnessRecord::Rule rule) {
       return "unpaired";
     case WitnessRecord::Rule::crowded:
       return "crowded";
+    case WitnessRecord::Rule::link:
+      return "link";
   }
   return "";
 }

@@ -33,7 +33,8 @@ struct WitnessRecord {
     vertex,    // a vertex whose neighbourhood positive tets cannot fill: B0 < 0
     fold,      // the same at a dihedral so close to 0 or 2 pi that rounded angles may give another integer
     unpaired,  // an odd number of vertices with odd B0 that covered edges join to each other only
-    crowded    // a vertex whose edges cannot take the turns that B0 asks for
+    crowded,   // a vertex whose edges cannot take the turns that B0 asks for
+    link       // a vertex whose link polygon bounds no disc that fits
   };
   Rule rule = Rule::winding;
   std::array<std::string, 3> point;  // decimal numbers or exact fractions

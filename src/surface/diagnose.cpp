@@ -96,7 +96,7 @@ void decide(Diagnosis& d) {
                 " two faces lie flat on each other (or as good as), with no room for a tet between them.";
     return;
   }
-  if (!d.wound.odd_groups.empty() || !d.wound.crowded.empty()) {
+  if (d.wound.forbidden()) {
     d.verdict = Verdict::obstructed;
     d.message = d.wound.explanation;
     return;
@@ -134,7 +134,7 @@ void advise(Diagnosis& d) {
   if (d.verdict == Verdict::infeasible && d.vertex_witness)
     say("Around vertex " + std::to_string(d.vertex_witness->vertex) +
         " the surface folds back on itself. Smooth its one-ring until its faces stop crossing.");
-  if (!d.wound.odd_groups.empty() || !d.wound.crowded.empty())
+  if (d.wound.forbidden())
     say("The faces at these vertices cross each other, and no edge there can take the extra turn. Smooth the "
         "one-ring until its faces stop crossing, or split its edges where other faces cross them.");
   if (d.verdict == Verdict::feasible && !d.hinges.empty())

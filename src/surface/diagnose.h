@@ -31,8 +31,8 @@ enum class Verdict {
   embedded,    // no two faces intersect and the winding is right: a plain tet mesh will do
   feasible,    // passes through itself; nothing that forbids a mesh was found
   infeasible,  // no mesh exists: a point of negative winding, or a vertex with B0 < 0
-  obstructed   // no mesh exists: hinges that cannot be paired (wound.odd_groups) or whose edges cannot take
-               // the turns (wound.crowded), or B0 < 0 at a fold
+  obstructed   // no mesh exists: hinges that cannot be paired (wound.odd_groups), whose edges cannot take the
+               // turns (wound.crowded) or that no tets can fill (wound.unfillable), or B0 < 0 at a fold
 };
 const char* verdict_name(Verdict verdict);
 

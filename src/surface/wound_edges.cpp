@@ -10,6 +10,8 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "src/surface/link.h"
+
 namespace overtet {
 
 namespace {
@@ -34,7 +36,8 @@ class Assigner {
     WoundEdges best;
     if (auto stop = find_odd_groups(best)) return *stop;
     find_crowded(best);
-    if (!best.odd_groups.empty() || !best.crowded.empty()) {  // nothing to assign
+    if (auto stop = find_unfillable(best)) return *stop;
+    if (best.forbidden()) {  // nothing to assign
       std::sort(best.unmet.begin(), best.unmet.end());
       best.unmet.erase(std::unique(best.unmet.begin(), best.unmet.end()), best.unmet.end());
       return best;
@@ -143,6 +146,31 @@ class Assigner {
                         ", and its edges cannot turn that often beyond what they show: too few of them are "
                         "covered all along on their outer side.";
     }
+  }
+
+  std::optional<Error> find_unfillable(WoundEdges& out) {
+    for (const Hinge& hinge : hinges_) {
+      if (auto stop = context_.stop()) return stop;
+      if (!hinge.B0 || std::binary_search(out.crowded.begin(), out.crowded.end(), hinge.vertex)) continue;
+      bool sure = true;
+      std::vector<int> near, all_along;
+      around(hinge.vertex, [&](Index h) {
+        sure = sure && is_known(h);
+        if (!sure) return;
+        near.push_back(level_at(h, hinge.vertex));
+        all_along.push_back(least(h));
+      });
+      if (!sure || fill_link(surface_, topology_, hinge, near, all_along).verdict != LinkVerdict::unfillable)
+        continue;
+      out.unfillable.push_back(hinge.vertex);
+      out.unmet.push_back(hinge.vertex);
+      if (!out.explanation.empty()) continue;
+      out.explanation = "No positive mesh exists: at vertex " + std::to_string(hinge.vertex) +
+                        " the integer B0 is " + std::to_string(*hinge.B0) +
+                        ", and no tets fill its surroundings: the polygon in which its faces meet a small "
+                        "sphere bounds no disc that turns only at edges covered all along.";
+    }
+    return std::nullopt;
   }
 
   // Whether another vertex lies where v does: its faces then pierce the edges of v.

@@ -43,8 +43,13 @@ struct WoundEdges {
   // to the hinge, the edges have room for less than B0 - 2 c turns, an edge for its smallest level all along,
   // and for c less than its level next to the hinge. As much of a proof. Sorted.
   std::vector<Index> crowded;
+  // Hinges, not crowded, whose surroundings positive tets cannot fill: no disc on the sphere has their link
+  // polygon as boundary, with the layers that the winding numbers give, turning at every edge as often as the
+  // edge has room for all along. As much of a proof. Sorted.
+  std::vector<Index> unfillable;
   std::string explanation;  // one sentence when there are any unmet
   bool complete() const { return unmet.empty(); }
+  bool forbidden() const { return !odd_groups.empty() || !crowded.empty() || !unfillable.empty(); }
 };
 
 // pairs: all intersecting pairs; hinges and pierced: of find_hinges and find_pierced_edges.

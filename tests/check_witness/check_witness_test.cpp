@@ -257,6 +257,39 @@ TEST_F(CheckWitness, CrowdedVertices) {
   }
 }
 
+// Elbows with a sphere around a hinge, whose integers are as they should be there, with room enough on the
+// edges, but nothing fits into the link.
+TEST_F(CheckWitness, LinksThatBoundNoDisc) {
+  for (const std::uint64_t seed : {137, 353}) {
+    const double shake = 0.02 + 0.03 * static_cast<double>(seed % 7);
+    Surface s =
+        test::noisy(test::elbow(90 + 20.0 * static_cast<double>(seed % 6), 8 + seed % 5), seed, shake);
+    const std::vector<Hinge> hinges = diagnosed(s).hinges;
+    const Eigen::Vector3d at = s.V.row(hinges[seed % hinges.size()].vertex);
+    s = test::joined(s, test::sphere(1, 0.1 + 0.1 * static_cast<double>(seed % 5),
+                                     at + 0.05 * Eigen::Vector3d(0.3, 0.5, 0.7)));
+    const Diagnosis d = diagnosed(s);
+    ASSERT_EQ(d.verdict, Verdict::obstructed);
+    EXPECT_TRUE(d.wound.odd_groups.empty());
+    EXPECT_TRUE(d.wound.crowded.empty());
+    ASSERT_FALSE(d.wound.unfillable.empty());
+    const auto witness = [](Index v, int b0) {
+      return "{\"rule\": \"link\", \"vertices\": [" + std::to_string(v) + "], \"B0\": [" +
+             std::to_string(b0) + "]}";
+    };
+    for (const Index v : d.wound.unfillable)
+      EXPECT_EQ(answer(s, witness(v, b0_of(d, v).value())), 0) << said_;
+    int others = 0;
+    for (const Hinge& h : d.hinges) {
+      if (!h.B0 || std::count(d.wound.unfillable.begin(), d.wound.unfillable.end(), h.vertex) || ++others > 6)
+        continue;
+      EXPECT_EQ(answer(s, witness(h.vertex, *h.B0)), 1) << said_;
+    }
+    EXPECT_GT(others, 0);
+    EXPECT_EQ(answer(s, witness(d.wound.unfillable[0], 0)), 1) << said_;
+  }
+}
+
 // Two vertices in one place may share what hinges ask for.
 TEST_F(CheckWitness, VerticesInOnePlaceAreNoProof) {
   const Surface s = test::obstructed_elbow(0);
