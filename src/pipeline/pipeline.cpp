@@ -17,13 +17,13 @@
 #include "src/pipeline/flow_route.h"
 #include "src/pipeline/inspection.h"
 #include "src/pipeline/locked_patch.h"
+#include "src/pipeline/parts.h"
 #include "src/pipeline/stage_clock.h"
 #include "src/pipeline/stage_files.h"
 #include "src/pipeline/unit_box.h"
 #include "src/pipeline/watch.h"
 #include "src/repair/repair.h"
 #include "src/tet_complex/tet_complex.h"
-#include "src/tetgen/tetgen.h"
 #include "src/verify/verify.h"
 
 namespace overtet {
@@ -81,7 +81,6 @@ class Run {
   }
 
   Status diagnose();
-  bool is_plain() const;
   std::optional<Error> pinched_vertices() const;
   Status try_routes();
   Status finish_saved();
@@ -134,13 +133,6 @@ Status Run::diagnose() {
   });
 }
 
-// No crossings, no component inside another one: any mesh of the inside is the answer.
-bool Run::is_plain() const {
-  const Diagnosis& d = found_.diagnosis;
-  return d.pairs.empty() && d.winding.min == 0 && d.winding.max == 1 &&
-         std::all_of(d.component_volume.begin(), d.component_volume.end(), [](double v) { return v > 0; });
-}
-
 // Why a surface that overlaps itself nowhere (so the solid can only be the region inside) but has two
 // vertices in one place has no mesh: the tets there cannot belong to both.
 // Call only when the immersion route, which tells touching from outside from being pinched, has failed.
@@ -169,7 +161,11 @@ Status Run::try_routes() {
     std::function<Result<TetMesh>()> run;
   };
   std::vector<Route> routes;
-  if (is_plain()) routes.push_back({"tet mesh", [&] { return mesh_clean(); }});
+  if (is_plain(found_.diagnosis)) routes.push_back({"tet mesh", [&] { return mesh_clean(); }});
+  if (options_.preset == Preset::standard && has_parts(surface_, found_.diagnosis))
+    routes.push_back({"parts", [&] {
+                        return mesh_by_parts({surface_, found_.diagnosis, context_, report_.stages});
+                      }});
   if (options_.preset == Preset::standard) routes.push_back({"immersion", [&] { return mesh_immersed(); }});
   routes.push_back({"flow", [&] {
                       return mesh_by_flow({surface_, found_.diagnosis, context_, report_.stages,
@@ -270,18 +266,8 @@ Result<TetMesh> Run::mesh_immersed() {
 
 Result<TetMesh> Run::mesh_clean() {
   return stage("tet_mesh", [&](StageRecord& record) -> Result<TetMesh> {
-    Plc plc;
-    plc.V = surface_.V;
-    plc.F = surface_.F;
-    TetgenOptions options;
-    options.quality = worth_refining(surface_.V, surface_.F);
-    Result<TetgenResult> tets = tetrahedralize_stubbornly(plc, options, context_);
-    if (!tets) return tets.error();
-    TetMesh mesh;
-    mesh.V = std::move(tets.value().V);
-    mesh.T = std::move(tets.value().T);
-    mesh.surface_vertices = static_cast<Index>(surface_.V.rows());
-    record.figures.emplace_back("tets", std::int64_t{mesh.T.rows()});
+    Result<TetMesh> mesh = mesh_plain(surface_, context_);
+    if (mesh) record.figures.emplace_back("tets", std::int64_t{mesh.value().T.rows()});
     return mesh;
   });
 }

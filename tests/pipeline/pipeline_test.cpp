@@ -6,6 +6,8 @@
 #include <chrono>
 #include <cmath>
 #include <set>
+#include <string>
+#include <tuple>
 
 #include "src/io/surface_io.h"
 #include "src/io/tet_io.h"
@@ -83,6 +85,50 @@ TEST(Pipeline, MeshesWhatCrossesItself) {
     expect_mesh(s, r);
     EXPECT_NEAR(r.report.quality ? r.report.quality->volume : 0, test::signed_volume(s), 1e-9);
   }
+}
+
+// Components are solids of their own, whatever they pass through, touch or coincide with.
+TEST(Pipeline, ComponentsAreMeshedOneByOne) {
+  const Surface elbow = test::elbow(150, 10), ball = test::sphere(1);
+  const auto moved = [](const Surface& s, double x) {
+    return test::transformed(s, Eigen::Matrix3d::Identity(), {x, 0, 0});
+  };
+  Surface nine = ball;  // balls around each other
+  for (int i = 1; i < 9; ++i) nine = test::joined(nine, test::sphere(1, 1 - 0.05 * i));
+  // A shell around a ball, and through both another ball: the cavity belongs to the shell.
+  const Surface shell =
+      test::joined(test::joined(test::sphere_with_cavity(1, 0.7), test::sphere(1, 0.5)), moved(ball, 0.8));
+  const std::tuple<const char*, Surface, int> models[] = {
+      {"twice", test::joined(elbow, elbow), 2},
+      {"twice and a ball", test::joined(test::joined(elbow, elbow), ball), 3},
+      {"a hair beside itself", test::joined(ball, moved(ball, 1e-13)), 2},
+      {"touching in one point", test::joined(ball, moved(ball, 2 * ball.V.col(0).maxCoeff())), 2},
+      {"nine layers", nine, 9},
+      {"shell", shell, 3}};
+  for (const auto& [name, s, parts] : models) {
+    SCOPED_TRACE(name);
+    const PipelineResult r = run(s);
+    expect_mesh(s, r);
+    ASSERT_TRUE(stages(r).contains("parts"));
+    EXPECT_FALSE(stages(r).contains("immersion"));
+    for (const StageRecord& stage : r.report.stages)
+      for (const auto& [key, value] : stage.figures)
+        if (stage.name == "parts" && key == "parts") {
+          EXPECT_EQ(std::get<std::int64_t>(value), parts);
+        }
+  }
+}
+
+// What has no mesh by itself may have one with others: a saucer's negative side inside a ball.
+TEST(Pipeline, ComponentsThatNeedEachOtherAreMeshedTogether) {
+  const Surface saucer = test::saucer(2);
+  ASSERT_EQ(run(saucer).report.status, RunStatus::infeasible);
+  const Surface s = test::joined(saucer, test::sphere(2, 3));
+  const PipelineResult r = run(s);
+  expect_mesh(s, r);
+  // A third one stays by itself.
+  const Surface three = test::joined(s, test::sphere(2, 1, {3.5, 0, 0}));
+  expect_mesh(three, run(three));
 }
 
 TEST(Pipeline, TheFlowRouteMeshesToo) {

@@ -1,0 +1,253 @@
+#include "src/pipeline/parts.h"
+
+#include <algorithm>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "src/immersion/immersion.h"
+#include "src/pipeline/stage_clock.h"
+#include "src/tetgen/tetgen.h"
+
+namespace overtet {
+
+namespace {
+
+// Every part is compared with every group; beyond this number that takes longer than it saves.
+constexpr std::size_t kMostParts = 20000;
+
+struct Box {
+  Eigen::RowVector3d low = Eigen::RowVector3d::Constant(1e300), high = Eigen::RowVector3d::Constant(-1e300);
+
+  void add(const Eigen::RowVector3d& p) { low = low.cwiseMin(p), high = high.cwiseMax(p); }
+  void add(const Box& b) { low = low.cwiseMin(b.low), high = high.cwiseMax(b.high); }
+  bool meets(const Box& b) const {
+    return (low.array() <= b.high.array()).all() && (b.low.array() <= high.array()).all();
+  }
+  bool contains(const Box& b) const {
+    return (low.array() <= b.low.array()).all() && (b.high.array() <= high.array()).all();
+  }
+  double size() const { return (high - low).prod(); }
+};
+
+struct Part {
+  std::vector<Index> components;
+  Box box;
+};
+using Group = std::vector<Part>;  // meshed together
+
+bool meet(const Group& a, const Group& b) {
+  return std::any_of(a.begin(), a.end(), [&](const Part& x) {
+    return std::any_of(b.begin(), b.end(), [&](const Part& y) { return x.box.meets(y.box); });
+  });
+}
+
+// Empty where the components cannot be told apart like this.
+std::vector<Part> find_parts(const Surface& surface, const Diagnosis& d) {
+  const SurfaceTopology& topology = d.topology.topology;
+  const std::size_t n = topology.components.size();
+  std::vector<Box> boxes(n);
+  for (Index f = 0; f < surface.F.rows(); ++f)
+    for (int k = 0; k < 3; ++k) boxes[topology.component_of_face[f]].add(surface.V.row(surface.F(f, k)));
+  std::vector<Index> part_of(n, -1);
+  std::vector<Part> parts;
+  for (std::size_t c = 0; c < n; ++c)
+    if (d.component_volume[c] > 0) {
+      part_of[c] = static_cast<Index>(parts.size());
+      parts.push_back({{static_cast<Index>(c)}, boxes[c]});
+    }
+  for (std::size_t c = 0; c < n; ++c) {
+    if (part_of[c] >= 0) continue;
+    Index around = -1;
+    for (std::size_t o = 0; o < n; ++o)
+      if (d.component_volume[o] > 0 && boxes[o].contains(boxes[c]) &&
+          (around < 0 || boxes[o].size() < boxes[around].size()))
+        around = static_cast<Index>(o);
+    if (around < 0) return {};
+    parts[part_of[around]].components.push_back(static_cast<Index>(c));
+  }
+  return parts;
+}
+
+class PartsMesher {
+ public:
+  explicit PartsMesher(const PartsRoute& route) : route_(route) {}
+
+  Result<TetMesh> run(StageRecord& record) {
+    std::vector<Part> parts = find_parts(route_.surface, route_.diagnosis);
+    const std::size_t count = parts.size();
+    record.figures.emplace_back("parts", static_cast<std::int64_t>(count));
+    std::vector<Group> waiting;
+    for (Part& part : parts) {
+      auto group = std::find_if(waiting.begin(), waiting.end(), [&](const Group& g) {
+        return std::none_of(g.begin(), g.end(), [&](const Part& p) { return p.box.meets(part.box); });
+      });
+      if (group == waiting.end()) group = waiting.emplace(waiting.end());
+      group->push_back(std::move(part));
+    }
+    std::reverse(waiting.begin(), waiting.end());  // the first is taken from the back
+    while (!waiting.empty()) {
+      if (auto stop = route_.context.stop()) return *stop;
+      Group group = std::move(waiting.back());
+      waiting.pop_back();
+      Result<Piece> piece = mesh(group);
+      if (piece) {
+        done_.push_back(std::move(piece).value());
+        continue;
+      }
+      const Error& e = piece.error();
+      if (e.code == ErrorCode::limit || e.code == ErrorCode::interrupted || e.code == ErrorCode::io) return e;
+      if (group.size() > 1) {
+        for (Part& part : group) waiting.push_back({std::move(part)});
+        continue;
+      }
+      // By itself it has none: together with all that is near it.
+      Group joined = group;
+      const auto take = [&](const Group& other) {
+        const bool near = meet(group, other);
+        if (near) joined.insert(joined.end(), other.begin(), other.end());
+        return near;
+      };
+      std::erase_if(waiting, take);
+      std::erase_if(done_, [&](const Piece& p) { return take(p.group); });
+      std::size_t size = 0;
+      Part whole;
+      for (const Part& part : joined) {
+        whole.components.insert(whole.components.end(), part.components.begin(), part.components.end());
+        whole.box.add(part.box);
+      }
+      for (const Part& part : joined) size += part.components.size();
+      if (joined.size() == 1 || size == route_.diagnosis.topology.topology.components.size()) return e;
+      std::sort(whole.components.begin(), whole.components.end());
+      waiting.push_back({std::move(whole)});
+    }
+    record.figures.emplace_back("groups", static_cast<std::int64_t>(done_.size()));
+    record.figures.emplace_back("immersed", immersed_);
+    TetMesh mesh = united();
+    record.figures.emplace_back("tets", std::int64_t{mesh.T.rows()});
+    return mesh;
+  }
+
+ private:
+  struct Piece {
+    Group group;
+    std::vector<Index> vertices;  // of the input, increasing
+    TetMesh mesh;
+  };
+
+  Result<Piece> mesh(const Group& group) {
+    const SurfaceTopology& topology = route_.diagnosis.topology.topology;
+    Piece piece;
+    piece.group = group;
+    std::vector<char> in(topology.components.size(), 0);
+    bool single = true;
+    for (const Part& part : group) {
+      single = single && part.components.size() == 1;
+      for (const Index c : part.components) in[c] = 1;
+    }
+    const auto is_in = [&](Index f) { return in[topology.component_of_face[f]] != 0; };
+    Surface s;
+    std::vector<Index> number(static_cast<std::size_t>(route_.surface.V.rows()), -1), faces;
+    for (Index f = 0; f < route_.surface.F.rows(); ++f) {
+      if (!is_in(f)) continue;
+      faces.push_back(f);
+      for (int k = 0; k < 3; ++k) number[route_.surface.F(f, k)] = 0;
+    }
+    for (Index v = 0; v < route_.surface.V.rows(); ++v)
+      if (number[v] == 0) number[v] = static_cast<Index>(piece.vertices.size()), piece.vertices.push_back(v);
+    s.V = route_.surface.V(piece.vertices, Eigen::all);
+    s.F.resize(static_cast<Eigen::Index>(faces.size()), 3);
+    for (std::size_t i = 0; i < faces.size(); ++i)
+      for (int k = 0; k < 3; ++k)
+        s.F(static_cast<Eigen::Index>(i), k) = number[route_.surface.F(faces[i], k)];
+
+    const bool crossing = std::any_of(route_.diagnosis.pairs.begin(), route_.diagnosis.pairs.end(),
+                                      [&](const FacePair& p) { return is_in(p.first) && is_in(p.second); });
+    if (single && !crossing) {
+      Result<TetMesh> plain = mesh_plain(s, route_.context);
+      if (!plain) return plain.error();
+      piece.mesh = std::move(plain).value();
+      return piece;
+    }
+    DiagnoseOptions options;
+    options.full_winding_range = false;
+    Result<Diagnosis> d = diagnose(s, options, route_.context);
+    if (!d) return d.error();
+    if (auto refused = refuse(d.value())) return *refused;
+    Result<ImmersionResult> r = immerse(s, d.value().pairs, d.value().wound.edges, {}, route_.context);
+    if (!r) return r.error();
+    ++immersed_;
+    piece.mesh = std::move(r.value().mesh);
+    return piece;
+  }
+
+  TetMesh united() const {
+    TetMesh out;
+    out.surface_vertices = static_cast<Index>(route_.surface.V.rows());
+    Eigen::Index vertices = out.surface_vertices, tets = 0;
+    for (const Piece& p : done_) {
+      vertices += p.mesh.V.rows() - static_cast<Eigen::Index>(p.vertices.size());
+      tets += p.mesh.T.rows();
+    }
+    out.V.resize(vertices, 3);
+    out.T.resize(tets, 4);
+    out.V.topRows(out.surface_vertices) = route_.surface.V;
+    Index next_vertex = out.surface_vertices;
+    Eigen::Index next_tet = 0;
+    for (const Piece& p : done_) {
+      const Index own = static_cast<Index>(p.vertices.size());
+      const Eigen::Index added = p.mesh.V.rows() - own;
+      out.V.middleRows(next_vertex, added) = p.mesh.V.bottomRows(added);
+      for (Eigen::Index t = 0; t < p.mesh.T.rows(); ++t, ++next_tet)
+        for (int k = 0; k < 4; ++k) {
+          const Index v = p.mesh.T(t, k);
+          out.T(next_tet, k) = v < own ? p.vertices[v] : next_vertex + v - own;
+        }
+      next_vertex += static_cast<Index>(added);
+    }
+    return out;
+  }
+
+  const PartsRoute& route_;
+  std::vector<Piece> done_;
+  std::int64_t immersed_ = 0;
+};
+
+}  // namespace
+
+bool is_plain(const Diagnosis& d) {
+  return d.pairs.empty() && d.winding.min == 0 && d.winding.max == 1 &&
+         std::all_of(d.component_volume.begin(), d.component_volume.end(), [](double v) { return v > 0; });
+}
+
+Result<TetMesh> mesh_plain(const Surface& surface, const RunContext& context) {
+  Plc plc;
+  plc.V = surface.V;
+  plc.F = surface.F;
+  TetgenOptions options;
+  options.quality = worth_refining(surface.V, surface.F);
+  Result<TetgenResult> tets = tetrahedralize_stubbornly(plc, options, context);
+  if (!tets) return tets.error();
+  TetMesh mesh;
+  mesh.V = std::move(tets.value().V);
+  mesh.T = std::move(tets.value().T);
+  mesh.surface_vertices = static_cast<Index>(surface.V.rows());
+  return mesh;
+}
+
+bool has_parts(const Surface& surface, const Diagnosis& d) {
+  if (d.topology.topology.components.size() < 2 || d.topology.topology.components.size() > kMostParts)
+    return false;
+  const std::vector<Part> parts = find_parts(surface, d);
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (parts[i].box.meets(parts[j].box)) return true;
+  return false;
+}
+
+Result<TetMesh> mesh_by_parts(const PartsRoute& route) {
+  return timed_stage("parts", route.records, route.context,
+                     [&](StageRecord& record) { return PartsMesher(route).run(record); });
+}
+
+}  // namespace overtet
