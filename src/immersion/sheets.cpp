@@ -674,12 +674,16 @@ class Assigner {
       b = e;
       if (auto error = find_passes(group, passes, over)) return error;
       if (over.first < 0) continue;
-      bool fits = group.size() == 2;
+      int sheets = 0;  // cuts, which have none, may end here, too
+      bool fits = true;
       for (const EdgeUse& use : group) {
+        if (sheet_count(use.facet) == 0) continue;
         const Facet& f = out_.facets[use.facet];
+        sheets += sheet_count(use.facet);
         fits = fits && sheet_count(use.facet) == 1 &&
                out_.winding_of(sheet(use.facet, 0).sign > 0 ? f.front : f.back) >= 1;
       }
+      fits = fits && sheets == 2;
       (fits ? covered : excluded).insert(over);
       if (fits) continue;
       // The turns of a wound edge cover everything around it.
