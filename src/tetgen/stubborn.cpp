@@ -3,6 +3,7 @@
 #include <numeric>
 #include <random>
 
+#include "src/tetgen/delaunay_first.h"
 #include "src/tetgen/tetgen.h"
 
 namespace overtet {
@@ -10,6 +11,9 @@ namespace overtet {
 namespace {
 
 constexpr int kAttempts = 6;
+
+// From so many facets on, Delaunay tets first are faster.
+constexpr Eigen::Index kLarge = 10'000;
 
 // Sine of the smallest angle of a face that TetGen still refines around in useful time: 0.006 degrees.
 constexpr double kNeedle = 1e-4;
@@ -77,7 +81,12 @@ Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptio
                                                const RunContext& context) {
   TetgenOptions plain = options;
   plain.quality = false;
-  Result<TetgenResult> first = tetrahedralize(plc, plain, context);
+  const bool large = plc.F.rows() >= kLarge && plc.holes.rows() == 0 && options.keep_facets &&
+                     options.accept_split && !options.fill_convex_hull;
+  Result<TetgenResult> first =
+      large ? tetrahedralize_delaunay_first(plc, context) : tetrahedralize(plc, plain, context);
+  if (large && !first && first.error().code == ErrorCode::unsolved)
+    first = tetrahedralize(plc, plain, context);
   const auto settled = [](const Result<TetgenResult>& r) {
     return r.ok() || r.error().code != ErrorCode::unsolved;
   };

@@ -1,0 +1,25 @@
+// Tet meshes of large complexes: Delaunay tets of the points first, which already have most facets of a
+// well-shaped surface among their faces; only around the other facets are they replaced, a few at a time.
+//
+// TetGen's own way, which this stands for, works through all segments and facets one by one, whether they are
+// missing or not, on one thread.
+#pragma once
+
+#include "src/tetgen/tetgen.h"
+
+namespace overtet {
+
+struct DelaunayFirstOptions {
+  // If more than this share of the facets is missing, or TetGen would get more facets and walls of cavities
+  // than that share of all facets, it may as well do all of them.
+  double most_missing = 0.2;
+  double most_left = 0.5;
+};
+
+// What tetrahedralize() with keep_facets, accept_split and without quality promises, for the same input. The
+// same result on any number of threads.
+// Errors: those of tetrahedralize(); unsolved also where too much is missing for this to pay.
+Result<TetgenResult> tetrahedralize_delaunay_first(const Plc& plc, const RunContext& context,
+                                                   const DelaunayFirstOptions& options = {});
+
+}  // namespace overtet
