@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "kernels/parallel/parallel.h"
 #include "src/cli/commands.h"
 #include "src/cli/signals.h"
 #include "src/io/file.h"
@@ -89,6 +90,7 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
       if (Status s = can_write(path); !s) return fail(terminal, s.error());
 
   const RunContext context = common.context(terminal);
+  const ScopedThreads threads(common.threads);
   PipelineResult result;
   result.report.options = options_of(command, common, format.value());
   const std::vector<Figure> options = result.report.options;

@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "kernels/parallel/parallel.h"
 #include "src/cli/commands.h"
 #include "src/cli/signals.h"
 #include "src/io/surface_io.h"
@@ -11,6 +12,7 @@ namespace overtet {
 
 int run(const VerifyCommand& command, const CommonOptions& common, Terminal& terminal) {
   const RunContext context = common.context(terminal);
+  const ScopedThreads threads(common.threads);
   Watchdog watchdog(context.deadline, context.memory_limit_bytes,
                     [&](const Error& error) { terminal.error(error.message); });
   SurfaceReadInfo info;

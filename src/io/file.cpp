@@ -154,8 +154,8 @@ Status AtomicFile::commit() {
 }
 
 void TextWriter::flush() {
-  if (status_.ok()) status_ = file_.write(buffer_);
-  buffer_.clear();
+  if (status_.ok()) status_ = file_.write(buffer_.bytes_);
+  buffer_.bytes_.clear();
 }
 
 Status TextWriter::finish() {

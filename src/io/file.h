@@ -5,11 +5,14 @@
 // fsync. So a file of that name is either the old one or the complete new one, whatever ends the program.
 #pragma once
 
+#include <algorithm>
 #include <charconv>
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "kernels/parallel/parallel.h"
 #include "overtet/result.h"
 
 namespace overtet {
@@ -44,18 +47,48 @@ class AtomicFile {
   bool synced_ = false;
 };
 
-// Text for an AtomicFile, formatted in a buffer. Numbers are written in the shortest form that reads back
-// as the same double, so that the file holds exactly what was checked.
+// Text being put together. Numbers are written in the shortest form that reads back as the same double, so
+// that a file holds exactly what was checked.
+class TextBuffer {
+ public:
+  TextBuffer& text(std::string_view s) {
+    bytes_.append(s);
+    return *this;
+  }
+  TextBuffer& character(char c) {
+    bytes_.push_back(c);
+    return *this;
+  }
+  TextBuffer& number(double x) { return put(x); }
+  TextBuffer& number(std::int64_t x) { return put(x); }
+  TextBuffer& number(std::int32_t x) { return put(x); }
+  TextBuffer& end_line() { return character('\n'); }
+
+ private:
+  friend class TextWriter;
+
+  template <class T>
+  TextBuffer& put(T x) {
+    char digits[32];
+    const auto end = std::to_chars(digits, digits + sizeof digits, x).ptr;
+    bytes_.append(digits, static_cast<std::size_t>(end - digits));
+    return *this;
+  }
+
+  std::string bytes_;
+};
+
+// Text for an AtomicFile.
 class TextWriter {
  public:
-  explicit TextWriter(AtomicFile& file) : file_(file) { buffer_.reserve(kBuffer + kSlack); }
+  explicit TextWriter(AtomicFile& file) : file_(file) {}
 
   TextWriter& text(std::string_view s) {
-    buffer_.append(s);
+    buffer_.text(s);
     return spill();
   }
   TextWriter& character(char c) {
-    buffer_.push_back(c);
+    buffer_.character(c);
     return *this;
   }
   TextWriter& number(double x) { return put(x); }
@@ -63,28 +96,44 @@ class TextWriter {
   TextWriter& number(std::int32_t x) { return put(x); }
   TextWriter& end_line() { return character('\n').spill(); }
 
+  // line(TextBuffer&, i) for i = 0 .. n-1, in that order in the file, but put together by all threads.
+  template <class Line>
+  TextWriter& lines(std::int64_t n, Line&& line) {
+    constexpr std::int64_t kBlock = 1 << 12, kBlocks = 32;
+    flush();
+    std::vector<TextBuffer> blocks(kBlocks);
+    for (std::int64_t done = 0; done < n && status_.ok(); done += kBlock * kBlocks) {
+      parallel_for(std::min(n - done, kBlock * kBlocks), kBlock, [&](std::int64_t begin, std::int64_t end) {
+        TextBuffer& block = blocks[begin / kBlock];
+        for (std::int64_t i = begin; i < end; ++i) line(block, done + i);
+      });
+      for (TextBuffer& block : blocks) {
+        if (status_.ok()) status_ = file_.write(block.bytes_);
+        block.bytes_.clear();
+      }
+    }
+    return *this;
+  }
+
   // Writes what is buffered; the first error of all writes.
   Status finish();
 
  private:
   static constexpr std::size_t kBuffer = 1 << 20;
-  static constexpr std::size_t kSlack = 4096;
 
   template <class T>
   TextWriter& put(T x) {
-    char digits[32];
-    const auto end = std::to_chars(digits, digits + sizeof digits, x).ptr;
-    buffer_.append(digits, static_cast<std::size_t>(end - digits));
+    buffer_.number(x);
     return *this;
   }
   TextWriter& spill() {
-    if (buffer_.size() >= kBuffer) flush();
+    if (buffer_.bytes_.size() >= kBuffer) flush();
     return *this;
   }
   void flush();
 
   AtomicFile& file_;
-  std::string buffer_;
+  TextBuffer buffer_;
   Status status_ = success();
 };
 

@@ -13,30 +13,32 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "the VTU writer stores native bytes as little endian");
 
-TextWriter& coordinates(TextWriter& out, const TetMesh& m, Eigen::Index v) {
+TextBuffer& coordinates(TextBuffer& out, const TetMesh& m, Eigen::Index v) {
   return out.number(m.V(v, 0)).character(' ').number(m.V(v, 1)).character(' ').number(m.V(v, 2));
 }
 
-TextWriter& corners(TextWriter& out, const TetMesh& m, Eigen::Index t, Index first) {
+TextBuffer& corners(TextBuffer& out, const TetMesh& m, Eigen::Index t, Index first) {
   out.number(m.T(t, 0) + first).character(' ').number(m.T(t, 1) + first).character(' ');
   return out.number(m.T(t, 2) + first).character(' ').number(m.T(t, 3) + first);
 }
 
 void write_medit(TextWriter& out, const TetMesh& m) {
   out.text("MeshVersionFormatted 2\nDimension 3\nVertices\n").number(std::int64_t{m.V.rows()}).end_line();
-  for (Eigen::Index v = 0; v < m.V.rows(); ++v) coordinates(out, m, v).text(" 0\n");
+  out.lines(m.V.rows(), [&](TextBuffer& line, std::int64_t v) { coordinates(line, m, v).text(" 0\n"); });
   out.text("Tetrahedra\n").number(std::int64_t{m.T.rows()}).end_line();
-  for (Eigen::Index t = 0; t < m.T.rows(); ++t) corners(out, m, t, 1).text(" 1\n");
+  out.lines(m.T.rows(), [&](TextBuffer& line, std::int64_t t) { corners(line, m, t, 1).text(" 1\n"); });
   out.text("End\n");
 }
 
 void write_gmsh22(TextWriter& out, const TetMesh& m) {
   out.text("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n").number(std::int64_t{m.V.rows()}).end_line();
-  for (Eigen::Index v = 0; v < m.V.rows(); ++v)
-    coordinates(out.number(std::int64_t{v + 1}).character(' '), m, v).end_line();
+  out.lines(m.V.rows(), [&](TextBuffer& line, std::int64_t v) {
+    coordinates(line.number(v + 1).character(' '), m, v).end_line();
+  });
   out.text("$EndNodes\n$Elements\n").number(std::int64_t{m.T.rows()}).end_line();
-  for (Eigen::Index t = 0; t < m.T.rows(); ++t)
-    corners(out.number(std::int64_t{t + 1}).text(" 4 2 1 1 "), m, t, 1).end_line();
+  out.lines(m.T.rows(), [&](TextBuffer& line, std::int64_t t) {
+    corners(line.number(t + 1).text(" 4 2 1 1 "), m, t, 1).end_line();
+  });
   out.text("$EndElements\n");
 }
 
@@ -54,13 +56,14 @@ void write_gmsh41(TextWriter& out, const TetMesh& m) {
   out.text(" 0 0\n$EndEntities\n$Nodes\n");
   one_block(out, vertices);
   out.text("3 1 0 ").number(vertices).end_line();
-  for (std::int64_t v = 1; v <= vertices; ++v) out.number(v).end_line();
-  for (Eigen::Index v = 0; v < vertices; ++v) coordinates(out, m, v).end_line();
+  out.lines(vertices, [&](TextBuffer& line, std::int64_t v) { line.number(v + 1).end_line(); });
+  out.lines(vertices, [&](TextBuffer& line, std::int64_t v) { coordinates(line, m, v).end_line(); });
   out.text("$EndNodes\n$Elements\n");
   one_block(out, tets);
   out.text("3 1 4 ").number(tets).end_line();
-  for (Eigen::Index t = 0; t < tets; ++t)
-    corners(out.number(std::int64_t{t + 1}).character(' '), m, t, 1).end_line();
+  out.lines(tets, [&](TextBuffer& line, std::int64_t t) {
+    corners(line.number(t + 1).character(' '), m, t, 1).end_line();
+  });
   out.text("$EndElements\n");
 }
 
@@ -110,14 +113,16 @@ void write_vtu(TextWriter& out, const TetMesh& m) {
 
 void write_node(TextWriter& out, const TetMesh& m) {
   out.number(std::int64_t{m.V.rows()}).text(" 3 0 0\n");
-  for (Eigen::Index v = 0; v < m.V.rows(); ++v)
-    coordinates(out.number(std::int64_t{v}).character(' '), m, v).end_line();
+  out.lines(m.V.rows(), [&](TextBuffer& line, std::int64_t v) {
+    coordinates(line.number(v).character(' '), m, v).end_line();
+  });
 }
 
 void write_ele(TextWriter& out, const TetMesh& m) {
   out.number(std::int64_t{m.T.rows()}).text(" 4 0\n");
-  for (Eigen::Index t = 0; t < m.T.rows(); ++t)
-    corners(out.number(std::int64_t{t}).character(' '), m, t, 0).end_line();
+  out.lines(m.T.rows(), [&](TextBuffer& line, std::int64_t t) {
+    corners(line.number(t).character(' '), m, t, 0).end_line();
+  });
 }
 
 std::string_view extension(std::string_view path) {
