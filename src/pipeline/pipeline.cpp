@@ -18,11 +18,11 @@
 #include "src/pipeline/inspection.h"
 #include "src/pipeline/locked_patch.h"
 #include "src/pipeline/parts.h"
+#include "src/pipeline/repairing.h"
 #include "src/pipeline/stage_clock.h"
 #include "src/pipeline/stage_files.h"
 #include "src/pipeline/unit_box.h"
 #include "src/pipeline/watch.h"
-#include "src/repair/repair.h"
 #include "src/tet_complex/tet_complex.h"
 #include "src/verify/verify.h"
 
@@ -70,6 +70,7 @@ class Run {
         report_(result.report) {}
 
   Status go();
+  Status finish_given(TetMesh mesh);
 
   // Where the sheets could not be glued, in the input's space.
   const std::optional<Eigen::Vector3d>& unglued() const { return unglued_; }
@@ -339,76 +340,64 @@ Status Run::go() {
   return try_routes();
 }
 
-// Runs on the surface, and where that finds no mesh and repairing is asked for, on a repaired one: again with
-// the places where the sheets could not be glued, for some rounds.
+// A mesh that was made before; in the input's space.
+Status Run::finish_given(TetMesh mesh) {
+  surface_ = input_;
+  Result<UnitBox> box = into_unit_box(surface_.V);
+  if (!box) return box.error();
+  box_ = box.value();
+  back_into_unit_box(mesh.V, box_);
+  return finish(std::move(mesh));
+}
+
+// Runs on the surface, and where that finds no mesh and repairing is asked for, on repaired ones.
 Status run_repairing(const Surface& surface, const PipelineOptions& options, const RunContext& context,
                      PipelineResult& result) {
-  constexpr int kRepairs = 8;
   Report& report = result.report;
-  Status done = success();
+  Status first = success();
   std::optional<Eigen::Vector3d> unglued;
   {
     Run run(surface, false, options, context, result);
-    done = run.go();
+    first = run.go();
     unglued = run.unglued();
   }
-  if (done) {
+  if (first) {
     report.status = RunStatus::exact;
-    return done;
+    return first;
   }
-  const auto repairable = [](const Error& e) {
-    return e.code == ErrorCode::infeasible || e.code == ErrorCode::unsolved || e.code == ErrorCode::bad_input;
-  };
-  if (options.on_infeasible != OnInfeasible::repair || !repairable(done.error())) return done;
-  const Status first = done;
+  if (options.on_infeasible != OnInfeasible::repair || !repairable(first.error())) return first;
   const InputRecord input = report.input;
   const std::optional<WitnessRecord> witness = report.witness;
-  RepairOptions repairs;
-  repairs.max_relative_move = options.max_repair_move;
-  for (int round = 0; round < kRepairs && !done && repairable(done.error()); ++round) {
-    repairs.place = unglued;
-    Result<RepairResult> fixed =
-        timed_stage("repair", report.stages, context, [&](StageRecord& record) -> Result<RepairResult> {
-          Result<RepairResult> r = repair(surface, repairs, context);
-          if (!r) return r;
-          record.iterations = static_cast<std::int64_t>(r.value().rounds.size());
-          record.figures = {{"moved", static_cast<std::int64_t>(r.value().moved.size())},
-                            {"max_relative", r.value().max_relative},
-                            {"mean_relative", r.value().mean_relative},
-                            {"turned_parts", std::int64_t{r.value().turned_parts}},
-                            {"shrink_rounds", std::int64_t{r.value().shrink_rounds}},
-                            {"termination", r.value().termination}};
-          return r;
-        });
-    if (!fixed) {
-      // Not closed, and the like: what the first look said is better. A stop is a stop.
-      const ErrorCode code = fixed.error().code;
-      if (code != ErrorCode::infeasible && code != ErrorCode::bad_input) return fixed.error();
-      context.note(LogLevel::warning, "Repair: " + fixed.error().message);
-      report.input = input;
-      report.witness = witness;
-      return first;
-    }
-    if (fixed.value().moved.empty()) break;
-    repairs.earlier = fixed.value().memory;
-    Run run(fixed.value().surface, true, options, context, result);
-    done = run.go();
-    unglued = run.unglued();
+  // What is pulled back to the input locks early where it is made of bad tets.
+  constexpr double kFewBadTets = 10;
+  PipelineOptions to_pull = options, as_it_is = options;
+  if (options.improve_degrees == 0) to_pull.improve_degrees = kFewBadTets;
+  as_it_is.improve_degrees = 0;
+  const auto mesh_of = [&](const Surface& moved) {
+    MeshAttempt attempt;
+    Run run(moved, true, to_pull, context, result);
+    attempt.done = run.go();
+    attempt.unglued = run.unglued();
+    attempt.mesh = std::move(result.mesh);
     report.input = input;
     report.witness = witness;
-    if (!done) {
-      if (!repairable(done.error())) return done;  // the time is up, and the like
-      continue;
-    }
-    report.status = RunStatus::repaired;
-    report.witness.reset();
-    report.moved_vertices = static_cast<std::int64_t>(fixed.value().moved.size());
-    report.max_relative_move = fixed.value().max_relative;
-    report.mean_relative_move = fixed.value().mean_relative;
-    report.moved_ids.assign(fixed.value().moved.begin(), fixed.value().moved.end());
-    return done;
-  }
-  return first;
+    return attempt;
+  };
+  Result<RepairedMesh> repaired = mesh_repaired(
+      {surface, options.max_repair_move, context, report.stages, mesh_of}, first.error(), unglued);
+  report.input = input;
+  report.witness = witness;
+  if (!repaired) return repaired.error();
+  RepairedMesh& r = repaired.value();
+  Run run(r.surface, true, r.pulled ? options : as_it_is, context, result);
+  if (Status s = run.finish_given(std::move(r.mesh)); !s) return s;
+  report.status = RunStatus::repaired;
+  report.witness.reset();
+  report.moved_vertices = static_cast<std::int64_t>(r.moved.size());
+  report.max_relative_move = r.max_relative;
+  report.mean_relative_move = r.mean_relative;
+  report.moved_ids.assign(r.moved.begin(), r.moved.end());
+  return success();
 }
 
 }  // namespace

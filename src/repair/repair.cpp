@@ -243,6 +243,7 @@ Status Repair::look(bool floods) {
     for (const Index v : group) offences_.push_back({v});
   for (const Index v : diagnosis_.wound.crowded) offences_.push_back({v});
   for (const Index v : diagnosis_.wound.unfillable) offences_.push_back({v});
+  for (const Index v : diagnosis_.wound.unfillable) offences_.push_back({v});
   for (Offence& o : offences_) {
     std::sort(o.begin(), o.end());
     o.erase(std::unique(o.begin(), o.end()), o.end());

@@ -134,8 +134,8 @@ double PatchSolver::energy_at(const TetComplex& mesh, const Patch& patch, const 
   if (forces.pull > 0)
     for (std::size_t i = 0; i < patch.free.size(); ++i)
       if (const Index v = patch.free[i]; v < target_.rows())
-        sum +=
-            forces.pull * (moved[i] - target_.row(v).transpose()).squaredNorm() / (length_[v] * length_[v]);
+        sum += forces.pull_at(v) * (moved[i] - target_.row(v).transpose()).squaredNorm() /
+               (length_[v] * length_[v]);
   if (forces.angle_weight > 0)
     for (const Ring& ring : rings) {
       double angle = 0;
@@ -188,7 +188,7 @@ bool PatchSolver::step(const TetComplex& mesh, const Patch& patch, const PatchFo
     for (int i = 0; i < n; ++i) {
       const Index v = patch.free[i];
       if (v >= target_.rows()) continue;
-      const double w = forces.pull / (length_[v] * length_[v]);
+      const double w = forces.pull_at(v) / (length_[v] * length_[v]);
       const Vector3d d = mesh.position(v) - target_.row(v).transpose();
       energy += w * d.squaredNorm();
       gradient.segment<3>(3 * i) += 2 * w * d;

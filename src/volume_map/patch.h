@@ -26,7 +26,10 @@ struct Patch {
 struct PatchForces {
   double eps = 0;   // of the shape energy, relative to each tet's size; 0: barrier
   double pull = 0;  // of free boundary vertices to the target
+  const std::vector<double>* weights = nullptr;  // of the pull, by boundary vertex; null: all 1
   double angle_weight = 0;
+
+  double pull_at(Index v) const { return weights ? pull * (*weights)[v] : pull; }
 };
 
 class PatchSolver {

@@ -30,6 +30,11 @@ constexpr int kBranchRefinements = 2;
 constexpr std::size_t kLargestPatch = 30000;
 // In mean edges.
 constexpr double kSnapReach = 0.5, kFar = 1;
+constexpr int kNewtonSteps = 4;
+// Spreading: the part of what is allowed that is aimed at; the first force; how much more those that are
+// there count than those at home; rings that may move.
+constexpr double kWithin = 0.95, kSpreadPull = 3, kSpreadWeight = 10;
+constexpr int kSpreadRings = 8;
 constexpr double kTurnTolerance = 1;  // radians, around an interior edge; a wrong one is off by 2 pi
 
 double seconds_since(RunContext::Clock::time_point t) {
@@ -99,7 +104,11 @@ class Mapper {
   }
 
   Result<VolumeMapResult> run() {
-    if (auto status = pull(); !status.ok()) return status.error();
+    Status pulled = pull();
+    if (!pulled && pulled.error().code == ErrorCode::unsolved && options_.largest_move > 0) pulled = spread();
+    if (!pulled) return pulled.error();
+    result_.away = away();
+    result_.farthest = farthest_move();
     mesh_.compact(nb_);
     result_.mesh = mesh_.to_mesh(nb_);
     result_.seconds = seconds_since(begin_);
@@ -204,6 +213,25 @@ class Mapper {
     return most;
   }
 
+  Status locked(const std::vector<Index>& list) const {
+    return Error{ErrorCode::unsolved, "The volume map locks: " + std::to_string(list.size()) +
+                                          " boundary vertices do not reach their places, the farthest is " +
+                                          place_of(farthest(list)) + "."};
+  }
+
+  // One Newton step of a patch. False: there is none.
+  bool move(LocalOperations& work, const Patch& patch, const PatchForces& forces) {
+    if (!solver_.step(mesh_, patch, forces, positions_)) return false;
+    // Exact positivity decides; rounding may say no at the end of a good way: go half of it.
+    bool placed = work.place_all(patch.free, positions_, patch.tets);
+    for (int half = 0; half < 6 && !placed; ++half) {
+      for (std::size_t i = 0; i < positions_.size(); ++i)
+        positions_[i] = 0.5 * (positions_[i] + mesh_.position(patch.free[i]));
+      placed = work.place_all(patch.free, positions_, patch.tets);
+    }
+    return placed;
+  }
+
   Status pull() {
     std::vector<Index> list = away();
     result_.away_at_start = static_cast<Index>(list.size());
@@ -213,16 +241,10 @@ class Mapper {
     int stalled = 0, refinements = 0;
     bool branch_stage = wound_;
     int branch_rounds = 0;
-    std::vector<Vector3d> positions;
     double last_distances = 1e300;
     for (int round = 0; !list.empty(); ++round) {
       if (auto error = context_.stop()) return *error;
-      if (round >= options_.rounds || seconds_since(begin_) > options_.seconds ||
-          refinements > options_.refinements)
-        return Error{ErrorCode::unsolved,
-                     "The volume map locks: " + std::to_string(list.size()) +
-                         " boundary vertices do not reach their places, the farthest is " +
-                         place_of(farthest(list)) + "."};
+      if (round >= options_.rounds || seconds_since(begin_) > options_.seconds) return locked(list);
       const auto round_begin = RunContext::Clock::now();
       std::vector<char> may_move(nb_, 0);
       for (const Index v : list) may_move[v] = 1;
@@ -256,17 +278,9 @@ class Mapper {
         PatchForces forces;
         forces.pull = branch_stage ? options_.branch_pull : force;
         forces.angle_weight = !wound_ ? 0 : branch_stage ? options_.angle_weight : std::max(1.0, force);
-        for (int newton = 0; newton < 4; ++newton) {
+        for (int newton = 0; newton < kNewtonSteps; ++newton) {
           if (auto stop = context_.stop()) return *stop;
-          if (!solver_.step(mesh_, patch, forces, positions)) break;
-          // Exact positivity decides; rounding may say no at the end of a good way: go half of it.
-          bool placed = work.place_all(patch.free, positions, patch.tets);
-          for (int half = 0; half < 6 && !placed; ++half) {
-            for (std::size_t i = 0; i < positions.size(); ++i)
-              positions[i] = 0.5 * (positions[i] + mesh_.position(patch.free[i]));
-            placed = work.place_all(patch.free, positions, patch.tets);
-          }
-          if (!placed) break;
+          if (!move(work, patch, forces)) break;
         }
         remesh(work, patch);
       }
@@ -307,11 +321,79 @@ class Mapper {
       // The force grows when what it can do is done.
       if (!fast && force < options_.largest_pull) force *= options_.pull_growth;
       if (stalled >= 4) {
+        if (refinements >= options_.refinements) return locked(list);
         for (const Index v : list) result_.refinements += refine(work, v, refinements % 2 == 1);
         ++refinements;
         stalled = 0;
         force = std::max(options_.first_pull, force / 200);
       }
+    }
+    return success();
+  }
+
+  double move_of(Index v) const { return (mesh_.position(v) - Vector3d(target_.row(v))).norm(); }
+
+  double farthest_move() const {
+    double most = 0;
+    for (Index v = 0; v < nb_; ++v) most = std::max(most, move_of(v));
+    return most;
+  }
+
+  // What cannot reach its place is held back by its neighbours, which have reached theirs. Gives way to
+  // those that are too far from theirs: around them everything moves again, pulled the more the farther.
+  Status spread() {
+    const double limit = kWithin * options_.largest_move;
+    LocalOperations work(mesh_);
+    work.allow_fixed_chords(false);
+    TetComplex best = mesh_;
+    double best_move = farthest_move(), last = best_move, force = kSpreadPull;
+    std::vector<double> weights(nb_, 1);
+    const auto weigh = [&] {
+      for (Index v = 0; v < nb_; ++v) weights[v] = 1 + kSpreadWeight * std::pow(move_of(v) / limit, 6);
+    };
+    int stalled = 0;
+    for (int round = 0; round < options_.spread_rounds && best_move > options_.largest_move; ++round) {
+      if (seconds_since(begin_) > options_.seconds || force > options_.largest_pull) break;
+      std::vector<char> may_move(nb_, 0);
+      for (Index v = 0; v < nb_; ++v) may_move[v] = move_of(v) > 0.5 * limit;
+      for (int ring = 0; ring < kSpreadRings; ++ring) {
+        const std::vector<char> before = may_move;
+        for (const auto& f : surface_)
+          if (before[f[0]] || before[f[1]] || before[f[2]])
+            for (const Index v : f) may_move[v] = 1;
+      }
+      std::vector<Index> all;
+      for (Index v = 0; v < nb_; ++v) {
+        may_move[v] = may_move[v] || !home(v);
+        if (may_move[v]) all.push_back(v);
+      }
+      for (const Patch& patch : solver_.grow(mesh_, all, options_.interior_rings, 0, may_move)) {
+        if (patch.free.size() > kLargestPatch) return success();
+        PatchForces forces;
+        forces.pull = force;
+        forces.weights = &weights;
+        for (int newton = 0; newton < kNewtonSteps; ++newton) {
+          if (auto stop = context_.stop()) return *stop;
+          weigh();
+          if (!move(work, patch, forces)) break;
+        }
+        remesh(work, patch);
+      }
+      const double now = farthest_move();
+      context_.report("volume_map", double(round) / options_.spread_rounds,
+                      std::to_string(all.size()) + " vertices to spread");
+      context_.note(LogLevel::debug, "volume map: spread, farthest " + std::to_string(now / limit) +
+                                         " of what is allowed, pull " + std::to_string(force));
+      if (now < best_move) best = mesh_, best_move = now;
+      stalled = now > 0.98 * last ? stalled + 1 : 0;
+      last = now;
+      if (stalled >= 3) force *= options_.pull_growth, stalled = 0;
+    }
+    mesh_ = std::move(best);
+    LocalOperations home_again(mesh_);
+    for (int pass = 0; pass < 3; ++pass) {
+      std::vector<Index> list = away();
+      if (snap(home_again, list, 1e300) == 0) break;
     }
     return success();
   }
@@ -336,6 +418,7 @@ class Mapper {
   bool wound_ = false;
   std::vector<int> near_wound_;  // per surface vertex: rings from a wound edge, a large number beyond
   VolumeMapResult result_;
+  std::vector<Vector3d> positions_;
 };
 
 }  // namespace
@@ -344,7 +427,7 @@ Status VolumeMapOptions::validate() const {
   if (interior_rings < 1 || rounds < 1 || branch_rounds < 0 || refinements < 0)
     return Error{ErrorCode::usage, "The volume map's counts must not be negative."};
   if (!(first_pull > 0 && pull_growth > 1 && largest_pull >= first_pull && branch_pull >= 0 &&
-        angle_weight > 0 && seconds > 0))
+        angle_weight > 0 && seconds > 0 && largest_move >= 0 && spread_rounds >= 0))
     return Error{ErrorCode::usage, "The volume map's forces must be positive and grow."};
   return success();
 }

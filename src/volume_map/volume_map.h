@@ -16,6 +16,9 @@
 // together, so no edge can gain a turn. Measured: with the wound edges known, starting from U0 solves models
 // on which starting from V0 with inverted tets and untangling them does not come to a positive state.
 //
+// Where no mesh of V0 exists, the same finds one near it (largest_move): what is locked ends as near to its
+// place as it gets. src/pipeline repairs surfaces that way.
+//
 // What it cannot do: reach V0 when U0 is far away and the way is blocked (thin parts between others), or
 // when a dihedral angle at V0 is nearly 0 or 2 pi. The answer is then an error that says how many vertices
 // did not reach their places, and where.
@@ -42,6 +45,10 @@ struct VolumeMapOptions {
   int rounds = 80;
   int refinements = 5;   // of all stars that resist
   double seconds = 120;  // of wall time
+  // > 0: places that cannot be reached are no error. The boundary ends near them, with few vertices away from
+  // their places, and none further away than this, if that can be; infinite: as few as can be.
+  double largest_move = 0;
+  int spread_rounds = 60;  // to bring those that are further away nearer, at the cost of others
 
   Status validate() const;
 };
@@ -56,8 +63,10 @@ struct VolumeMapRound {
 };
 
 struct VolumeMapResult {
-  TetMesh mesh;             // the first rows are V0, bit for bit
+  TetMesh mesh;             // the first rows are V0, bit for bit (all but `away`)
   Index away_at_start = 0;  // boundary vertices whose places in U0 and V0 differ
+  std::vector<Index> away;  // at the end, sorted; empty without largest_move
+  double farthest = 0;      // the largest distance of one from its place
   Index refinements = 0;    // vertices added
   std::vector<VolumeMapRound> rounds;
   double seconds = 0;

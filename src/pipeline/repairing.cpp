@@ -1,0 +1,157 @@
+#include "src/pipeline/repairing.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <limits>
+#include <utility>
+
+#include "src/pipeline/stage_clock.h"
+#include "src/repair/repair.h"
+#include "src/volume_map/volume_map.h"
+
+namespace overtet {
+
+namespace {
+
+constexpr int kRepairs = 8;
+constexpr double kFar = 0.6;       // of the diagonal: as far as it takes, when the way back is still to come
+constexpr double kGentle = 0.01;   // moves of this size are as good as smaller ones
+constexpr double kPullTime = 0.4;  // of the time that is left
+
+class Repairing {
+ public:
+  Repairing(const RepairRoute& route, const Error& first) : route_(route), first_(first) {
+    const VertexMatrix& V = route.surface.V;
+    diagonal_ = (V.colwise().maxCoeff() - V.colwise().minCoeff()).norm();
+  }
+
+  Result<RepairedMesh> run(const std::optional<Eigen::Vector3d>& unglued) {
+    for (const bool far : {false, true}) {
+      Result<std::optional<RepairedMesh>> away = move_away(far, unglued);
+      if (!away) return away.error();
+      if (!away.value()) continue;
+      RepairedMesh best = std::move(*away.value());
+      Result<std::optional<RepairedMesh>> back = pull_back(best, far);
+      if (!back) return back.error();
+      if (back.value() && (far || better(*back.value(), best))) best = std::move(*back.value());
+      if (best.max_relative <= route_.max_move) return best;
+      char least[160];
+      std::snprintf(least, sizeof least,
+                    " A repair was found that moves %zu vertices by up to %.2f %% of the diagonal.",
+                    best.moved.size(), 100 * best.max_relative);
+      Error error = first_;
+      error.message += least;
+      return error;
+    }
+    return first_;
+  }
+
+ private:
+  // None: no surface with a mesh was found.
+  Result<std::optional<RepairedMesh>> move_away(bool far, std::optional<Eigen::Vector3d> unglued) {
+    RepairOptions options;
+    options.max_relative_move = far ? std::max(kFar, route_.max_move) : route_.max_move;
+    if (far) options.max_shrink_rounds = 0;
+    for (int round = 0; round < kRepairs; ++round) {
+      options.place = unglued;
+      Result<RepairResult> fixed = timed_stage(
+          "repair", route_.records, route_.context, [&](StageRecord& record) -> Result<RepairResult> {
+            Result<RepairResult> r = repair(route_.surface, options, route_.context);
+            if (!r) return r;
+            const RepairResult& x = r.value();
+            record.iterations = static_cast<std::int64_t>(x.rounds.size());
+            record.figures = {{"moved", static_cast<std::int64_t>(x.moved.size())},
+                              {"max_relative", x.max_relative},
+                              {"mean_relative", x.mean_relative},
+                              {"turned_parts", std::int64_t{x.turned_parts}},
+                              {"shrink_rounds", std::int64_t{x.shrink_rounds}},
+                              {"termination", x.termination}};
+            return r;
+          });
+      if (!fixed) {
+        // Not closed, and the like: what the first look said is better. A stop is a stop.
+        const ErrorCode code = fixed.error().code;
+        if (code != ErrorCode::infeasible && code != ErrorCode::bad_input) return fixed.error();
+        route_.context.note(LogLevel::warning, "Repair: " + fixed.error().message);
+        return std::optional<RepairedMesh>();
+      }
+      if (fixed.value().moved.empty()) return std::optional<RepairedMesh>();
+      options.earlier = fixed.value().memory;
+      MeshAttempt attempt = route_.mesh(fixed.value().surface);
+      if (attempt.done) return std::optional(measured(std::move(attempt.mesh)));
+      if (!repairable(attempt.done.error())) return attempt.done.error();  // the time is up, and the like
+      unglued = attempt.unglued;
+    }
+    return std::optional<RepairedMesh>();
+  }
+
+  // None: it cannot be pulled.
+  Result<std::optional<RepairedMesh>> pull_back(const RepairedMesh& from, bool far) {
+    VolumeMapOptions options;
+    options.refinements = 0;
+    options.seconds = std::min(options.seconds, kPullTime * route_.context.seconds_left());
+    options.largest_move = far ? route_.max_move * diagonal_ : std::numeric_limits<double>::infinity();
+    Result<VolumeMapResult> pulled = timed_stage(
+        "volume_map", route_.records, route_.context, [&](StageRecord& record) -> Result<VolumeMapResult> {
+          Result<VolumeMapResult> r = volume_map(from.mesh, route_.surface.V, {}, options, route_.context);
+          if (!r) return r;
+          const VolumeMapResult& x = r.value();
+          record.iterations = static_cast<std::int64_t>(x.rounds.size());
+          record.figures = {{"away_at_start", std::int64_t{x.away_at_start}},
+                            {"moved", static_cast<std::int64_t>(x.away.size())},
+                            {"max_relative", x.farthest / diagonal_},
+                            {"tets", std::int64_t{x.mesh.T.rows()}}};
+          return r;
+        });
+    if (!pulled) {
+      if (auto stop = route_.context.stop()) return *stop;
+      route_.context.note(LogLevel::info, "Repair: " + pulled.error().message);
+      return std::optional<RepairedMesh>();
+    }
+    RepairedMesh back = measured(std::move(pulled.value().mesh));
+    back.pulled = true;
+    return std::optional(std::move(back));
+  }
+
+  RepairedMesh measured(TetMesh mesh) const {
+    RepairedMesh r;
+    const VertexMatrix& V = route_.surface.V;
+    r.surface = {mesh.V.topRows(V.rows()), route_.surface.F};
+    for (Index v = 0; v < V.rows(); ++v) {
+      if (r.surface.V.row(v) == V.row(v)) continue;
+      const double move = (r.surface.V.row(v) - V.row(v)).norm() / diagonal_;
+      r.moved.push_back(v);
+      r.max_relative = std::max(r.max_relative, move);
+      r.mean_relative += move;
+    }
+    if (!r.moved.empty()) r.mean_relative /= static_cast<double>(r.moved.size());
+    r.mesh = std::move(mesh);
+    return r;
+  }
+
+  // Fewer vertices, less far altogether, and none much further.
+  static bool better(const RepairedMesh& a, const RepairedMesh& b) {
+    const auto total = [](const RepairedMesh& r) {
+      return static_cast<double>(r.moved.size()) * r.mean_relative;
+    };
+    return a.moved.size() <= b.moved.size() && total(a) < total(b) &&
+           a.max_relative <= std::max(b.max_relative, kGentle);
+  }
+
+  const RepairRoute& route_;
+  const Error& first_;
+  double diagonal_ = 0;
+};
+
+}  // namespace
+
+Result<RepairedMesh> mesh_repaired(const RepairRoute& route, const Error& first,
+                                   std::optional<Eigen::Vector3d> unglued) {
+  return Repairing(route, first).run(unglued);
+}
+
+bool repairable(const Error& e) {
+  return e.code == ErrorCode::infeasible || e.code == ErrorCode::unsolved || e.code == ErrorCode::bad_input;
+}
+
+}  // namespace overtet

@@ -1,0 +1,55 @@
+// A mesh of a surface that has none: of the same surface with a few vertices moved a little.
+//
+//  1. Away from what forbids a mesh: src/repair moves vertices until nothing objects, within the allowed move
+//     where that can be, else as far as it takes; the result is meshed, and repaired further where the sheets
+//     could not be glued.
+//  2. Back: the boundary of that mesh is pulled to the input again, every tet positive all the way
+//     (src/volume_map). Most vertices come home. What is locked ends as near to its place as it gets, and
+//     where that is too far, its neighbours give way.
+//
+// The second step finds what no smoothing can: how parts that are inside out fold up best. Where it does not
+// make things better, the first step's result stands.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "overtet/run_context.h"
+#include "overtet/types.h"
+#include "src/report/report.h"
+
+namespace overtet {
+
+struct MeshAttempt {
+  Status done = success();
+  TetMesh mesh;                            // in the input's space, checked
+  std::optional<Eigen::Vector3d> unglued;  // where the sheets could not be glued
+};
+
+struct RepairRoute {
+  const Surface& surface;
+  double max_move;  // relative to the diagonal of the bounding box
+  const RunContext& context;
+  std::vector<StageRecord>& records;
+  std::function<MeshAttempt(const Surface&)> mesh;
+};
+
+struct RepairedMesh {
+  Surface surface;
+  TetMesh mesh;         // of `surface`
+  bool pulled = false;  // since it was made, and not checked or improved after that
+  std::vector<Index> moved;
+  double max_relative = 0, mean_relative = 0;  // of those that moved, to the diagonal
+};
+
+// first: why there is no mesh of the surface as it is, and where, if that is known.
+// Errors: `first`, where no repair was found, with what would do if larger moves were allowed; limit,
+// interrupted.
+Result<RepairedMesh> mesh_repaired(const RepairRoute& route, const Error& first,
+                                   std::optional<Eigen::Vector3d> unglued);
+
+// Errors of a run that repairing may help with.
+bool repairable(const Error& error);
+
+}  // namespace overtet
