@@ -1,9 +1,5 @@
-#define CGAL_NO_CDT_2_WARNING  // crossing constraints are meant; few cascade
 #include "src/immersion/arrangement.h"
 
-#include <CGAL/Constrained_Delaunay_triangulation_2.h>
-#include <CGAL/Exact_predicates_exact_constructions_kernel.h>
-#include <CGAL/Triangulation_vertex_base_with_info_2.h>
 #include <CGAL/intersections.h>
 
 #include <algorithm>
@@ -16,7 +12,9 @@
 #include <string>
 
 #include "kernels/bvh/self_intersections.h"
+#include "kernels/parallel/parallel.h"
 #include "kernels/predicates/predicates.h"
+#include "src/immersion/exact_triangulation.h"
 #include "src/immersion/pieces.h"
 #include "src/immersion/tolerant_cutter.h"
 
@@ -38,19 +36,15 @@ constexpr double kOnEdge = 0x1p-40;
 constexpr std::size_t kMostGrowth = 4;
 constexpr int kMostRounds = kRoundsPerDistance * static_cast<int>(std::size(kDistances));
 
-using Kernel = CGAL::Exact_predicates_exact_constructions_kernel;
+using exact::Kernel;
+using exact::Point2;
+using exact::Scalar;
+using exact::Triangulation;
 using Point3 = Kernel::Point_3;
-using Point2 = Kernel::Point_2;
-using Scalar = Kernel::FT;
 
-struct VertexInfo {
-  Index id = -1;
-};
-using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<VertexInfo, Kernel>;
-using FaceBase = CGAL::Constrained_triangulation_face_base_2<Kernel>;
-using Structure = CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>;
-using Triangulation =
-    CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure, CGAL::Exact_intersections_tag>;
+// Pairs and faces that a thread takes at once. CGAL's exact numbers may be shared between threads.
+constexpr std::int64_t kPairs = 64;
+constexpr std::int64_t kFaces = 32;
 
 // Numbers exact points: equal points get equal numbers, whichever faces they were computed from.
 class PointTable {
@@ -79,37 +73,70 @@ struct Cuts {
   std::vector<std::pair<Index, Index>> segments;
 };
 
-// One round: cuts the pieces along all given pairs, exactly, and rounds the new points to doubles.
+// What two faces have in common: a point, a segment or a polygon.
+using Meeting = std::vector<Point3>;
+
+// A face cut up. Vertices below 0: -1 - i is point i of `crossings`, where two cuts cross.
+struct Cut {
+  std::vector<std::array<Index, 3>> triangles;
+  std::vector<Point3> crossings;
+};
+
+// One round: cuts the pieces along all given pairs, exactly, and rounds the new points to doubles. Points are
+// computed by all threads and numbered by one, in the order of the pairs and faces.
 class Cutter {
  public:
   Cutter(std::vector<Eigen::Vector3d>& points, std::vector<Piece>& pieces)
       : points_(points), pieces_(pieces) {}
 
   std::optional<Error> run(const std::vector<FacePair>& pairs, const RunContext& context) {
+    std::vector<Meeting> meetings(pairs.size());
+    parallel_for(static_cast<std::int64_t>(pairs.size()), kPairs, [&](std::int64_t begin, std::int64_t end) {
+      if (context.stop()) return;
+      for (std::int64_t i = begin; i < end; ++i) meetings[i] = meeting(pairs[i].first, pairs[i].second);
+    });
+    if (auto stop = context.stop()) return stop;
     // All corners before all cuts, so that a cut through a corner gets that corner's number.
     for (const auto& [f, g] : pairs) enter_corners(f), enter_corners(g);
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-      if (i % 64 == 0)
-        if (auto stop = context.stop()) return stop;
-      intersect(pairs[i].first, pairs[i].second);
-    }
+    for (std::size_t i = 0; i < pairs.size(); ++i) enter(pairs[i].first, pairs[i].second, meetings[i]);
+    meetings.clear();
+
+    std::vector<std::pair<Index, const Cuts*>> faces;
+    for (const auto& [f, cuts] : cuts_) faces.emplace_back(f, &cuts);
+    std::vector<Cut> cut(faces.size());
+    parallel_for(static_cast<std::int64_t>(faces.size()), kFaces, [&](std::int64_t begin, std::int64_t end) {
+      if (context.stop()) return;
+      for (std::int64_t i = begin; i < end; ++i) cut[i] = triangulate(faces[i].first, *faces[i].second);
+    });
+    if (auto stop = context.stop()) return stop;
     std::vector<Piece> out;
-    out.reserve(pieces_.size() + 16 * cuts_.size());
+    out.reserve(pieces_.size() + 16 * faces.size());
+    std::size_t next = 0;
+    std::vector<Index> ids;
     for (Index f = 0; f < static_cast<Index>(pieces_.size()); ++f) {
-      const auto cut = cuts_.find(f);
-      if (cut == cuts_.end()) {
+      if (next == faces.size() || faces[next].first != f) {
         out.push_back(std::move(pieces_[f]));
-      } else {
-        if (auto stop = context.stop()) return stop;
-        triangulate(f, cut->second, out);
+        continue;
       }
+      ids.clear();
+      for (const Point3& p : cut[next].crossings) ids.push_back(number(p));
+      for (auto corners : cut[next].triangles) {
+        for (Index& v : corners)
+          if (v < 0) v = ids[-1 - v];
+        out.push_back({corners, pieces_[f].sheet, pieces_[f].more, true});
+      }
+      ++next;
     }
-    for (const Index i : added_) {
-      const Point3& p = table_.point(i);
-      p.exact();
-      points_.emplace_back(CGAL::to_double(p.x().exact()), CGAL::to_double(p.y().exact()),
-                           CGAL::to_double(p.z().exact()));
-    }
+    const std::size_t before = points_.size();
+    points_.resize(before + added_.size());
+    parallel_for(static_cast<std::int64_t>(added_.size()), kPairs, [&](std::int64_t begin, std::int64_t end) {
+      for (std::int64_t i = begin; i < end; ++i) {
+        const Point3& p = table_.point(added_[i]);
+        p.exact();
+        points_[before + i] = {CGAL::to_double(p.x().exact()), CGAL::to_double(p.y().exact()),
+                               CGAL::to_double(p.z().exact())};
+      }
+    });
     pieces_ = std::move(out);
     return std::nullopt;
   }
@@ -140,39 +167,46 @@ class Cutter {
     return number < n ? exact_input(number) : table_.point(added_[number - n]);
   }
 
-  void intersect(Index f, Index g) {
+  Meeting meeting(Index f, Index g) const {
     const Kernel::Triangle_3 a(corner(f, 0), corner(f, 1), corner(f, 2));
     const Kernel::Triangle_3 b(corner(g, 0), corner(g, 1), corner(g, 2));
     const auto meet = CGAL::intersection(a, b);
-    if (!meet) return;
+    Meeting out;
+    if (!meet) return out;
+    if (const Point3* p = boost::get<Point3>(&*meet))
+      out = {*p};
+    else if (const Kernel::Segment_3* s = boost::get<Kernel::Segment_3>(&*meet))
+      out = {s->source(), s->target()};
+    else if (const Kernel::Triangle_3* t = boost::get<Kernel::Triangle_3>(&*meet))
+      out = {t->vertex(0), t->vertex(1), t->vertex(2)};
+    else
+      out = boost::get<std::vector<Point3>>(*meet);
+    for (const Point3& p : out) p.exact();
+    return out;
+  }
+
+  void enter(Index f, Index g, const Meeting& meeting) {
+    if (meeting.empty()) return;
     const auto add_segment = [&](Index p, Index q) {
       if (p == q) return;
       cuts_[f].segments.emplace_back(p, q);
       cuts_[g].segments.emplace_back(p, q);
     };
-    if (const Point3* p = boost::get<Point3>(&*meet)) {
-      const Index i = number(*p);
-      cuts_[f].points.push_back(i);
-      cuts_[g].points.push_back(i);
-    } else if (const Kernel::Segment_3* s = boost::get<Kernel::Segment_3>(&*meet)) {
-      const Index p = number(s->source()), q = number(s->target());
-      add_segment(p, q);
-    } else {
-      std::vector<Point3> polygon;
-      if (const Kernel::Triangle_3* t = boost::get<Kernel::Triangle_3>(&*meet))
-        polygon = {t->vertex(0), t->vertex(1), t->vertex(2)};
-      else
-        polygon = boost::get<std::vector<Point3>>(*meet);
-      std::vector<Index> ids;
-      for (const Point3& p : polygon) ids.push_back(number(p));
-      for (std::size_t i = 0; i < ids.size(); ++i) add_segment(ids[i], ids[(i + 1) % ids.size()]);
-      // Both faces must be triangulated alike inside the common polygon.
-      const std::size_t apex = std::min_element(ids.begin(), ids.end()) - ids.begin();
-      for (std::size_t i = 2; i + 1 < ids.size(); ++i) add_segment(ids[apex], ids[(apex + i) % ids.size()]);
+    std::vector<Index> ids;
+    for (const Point3& p : meeting) ids.push_back(number(p));
+    if (ids.size() == 1) {
+      cuts_[f].points.push_back(ids[0]);
+      cuts_[g].points.push_back(ids[0]);
+      return;
     }
+    if (ids.size() == 2) return add_segment(ids[0], ids[1]);
+    for (std::size_t i = 0; i < ids.size(); ++i) add_segment(ids[i], ids[(i + 1) % ids.size()]);
+    // Both faces must be triangulated alike inside the common polygon.
+    const std::size_t apex = std::min_element(ids.begin(), ids.end()) - ids.begin();
+    for (std::size_t i = 2; i + 1 < ids.size(); ++i) add_segment(ids[apex], ids[(apex + i) % ids.size()]);
   }
 
-  void triangulate(Index f, const Cuts& cut, std::vector<Piece>& out) {
+  Cut triangulate(Index f, const Cuts& cut) const {
     const Point3 a = corner(f, 0), b = corner(f, 1), c = corner(f, 2);
     const Kernel::Vector_3 normal = CGAL::cross_product(b - a, c - a);
     int drop = 0;
@@ -196,6 +230,7 @@ class Cutter {
     for (const auto& [p, q] : cut.segments) insert(p), insert(q);
     for (const auto& [p, q] : cut.segments) triangulation.insert_constraint(handle[p], handle[q]);
 
+    Cut out;
     for (auto v = triangulation.finite_vertices_begin(); v != triangulation.finite_vertices_end(); ++v) {
       if (v->info().id >= 0) continue;
       // Two cuts cross here: lift the point back into the plane of the face.
@@ -203,17 +238,17 @@ class Cutter {
       p[i] = v->point().x();
       p[j] = v->point().y();
       p[drop] = a[drop] - (normal[i] * (p[i] - a[i]) + normal[j] * (p[j] - a[j])) / normal[drop];
-      v->info().id = number(Point3(p[0], p[1], p[2]));
+      out.crossings.emplace_back(p[0], p[1], p[2]);
+      out.crossings.back().exact();
+      v->info().id = -1 - static_cast<Index>(out.crossings.size() - 1);
     }
     const bool flipped = CGAL::is_negative(normal[drop]);
     for (auto t = triangulation.finite_faces_begin(); t != triangulation.finite_faces_end(); ++t) {
-      Piece piece{{t->vertex(0)->info().id, t->vertex(1)->info().id, t->vertex(2)->info().id},
-                  pieces_[f].sheet,
-                  pieces_[f].more,
-                  true};
-      if (flipped) std::swap(piece.corners[1], piece.corners[2]);
-      out.push_back(std::move(piece));
+      std::array<Index, 3> corners{t->vertex(0)->info().id, t->vertex(1)->info().id, t->vertex(2)->info().id};
+      if (flipped) std::swap(corners[1], corners[2]);
+      out.triangles.push_back(corners);
     }
+    return out;
   }
 
   std::vector<Eigen::Vector3d>& points_;

@@ -26,6 +26,10 @@ constexpr double kClearances[] = {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10, 1e-
 // At the end all of them look for more room this many times: thin tets cost the quality pass far more.
 constexpr int kSweeps = 3;
 
+// The search for a place ends with steps of this share of the star's size, or of the clearance found.
+constexpr double kLeastStep = 1e-14;
+constexpr double kWorthwhile = 1e-3;
+
 // Beyond this angle (radians) between the two faces at an edge, a point on it makes way for several.
 constexpr double kWideWedge = 1.9 * 3.14159265358979323846;
 
@@ -541,16 +545,19 @@ class Clearer {
   // A point well inside all half-spaces, close to the centre of the largest ball in them, which must have a
   // radius of at least `least` of the star's size.
   bool find_position(Index v, const std::vector<Triple>& sides, double least, Vector3d& out) {
-    std::vector<HalfSpace> spaces;
+    spaces_.clear();
     for (const Triple& s : sides) {
       HalfSpace h;
       if (!half_space(complex_.position(s[0]), complex_.position(s[1]), complex_.position(s[2]), h))
         return false;
-      spaces.push_back(h);
+      spaces_.push_back(h);
     }
-    const auto clearance = [&](const Vector3d& x) {
+    distance_.resize(spaces_.size());
+    there_.resize(spaces_.size());
+    const auto measure = [&](const Vector3d& x, std::vector<double>& distance) {
       double least = std::numeric_limits<double>::infinity();
-      for (const HalfSpace& h : spaces) least = std::min(least, h.distance(x));
+      for (std::size_t i = 0; i < spaces_.size(); ++i)
+        least = std::min(least, distance[i] = spaces_[i].distance(x));
       return least;
     };
     const Vector3d start = complex_.position(v);
@@ -560,22 +567,21 @@ class Clearer {
 
     // Ascent on the concave function `clearance`: the step direction balances the faces that bind.
     Vector3d x = start, best = start;
-    double value = clearance(x), best_value = value;
+    double value = measure(x, distance_), best_value = value;
     double step = 0.25 * size;
-    for (int i = 0; i < 200 && step > 1e-14 * size; ++i) {
+    for (int i = 0; i < 200 && step > std::max(kLeastStep * size, kWorthwhile * best_value); ++i) {
       Vector3d direction = Vector3d::Zero();
-      const double band = value + 0.5 * step;
-      for (const HalfSpace& h : spaces) {
-        const double slack = h.distance(x) - value;
-        if (h.distance(x) <= band) direction += h.normal * std::exp(-4 * slack / step);
-      }
+      for (std::size_t k = 0; k < spaces_.size(); ++k)
+        if (const double slack = distance_[k] - value; slack <= 0.5 * step)
+          direction += spaces_[k].normal * std::exp(-4 * slack / step);
       const double length = direction.norm();
       bool moved = false;
       if (length > 1e-12) {
         const Vector3d y = x + direction * (step / length);
-        const double there = clearance(y);
+        const double there = measure(y, there_);
         if (there > value) {
           x = y, value = there, moved = true;
+          std::swap(distance_, there_);
           if (value > best_value) best = x, best_value = value;
         }
       }
@@ -586,7 +592,7 @@ class Clearer {
     for (double share = kReach; share > 1e-3; share *= 0.5)
       if (const Vector3d y = start + share * (best - start); positive(sides, y)) {
         out = y;
-        result_.smallest_clearance = std::min(result_.smallest_clearance, clearance(y));
+        result_.smallest_clearance = std::min(result_.smallest_clearance, measure(y, there_));
         return true;
       }
     if (!positive(sides, best)) return false;
@@ -602,6 +608,8 @@ class Clearer {
   std::vector<Index> queue_;
   std::vector<Index> points_;  // all added points of the boundary
   std::vector<Index> star_;
+  std::vector<HalfSpace> spaces_;  // of find_position, with the distances of a point and of the next one
+  std::vector<double> distance_, there_;
   double least_clearance_ = 0;
   BoundaryPointsResult result_;
 };

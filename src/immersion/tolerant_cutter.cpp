@@ -1,9 +1,4 @@
-#define CGAL_NO_CDT_2_WARNING  // crossing constraints are meant; few cascade
 #include "src/immersion/tolerant_cutter.h"
-
-#include <CGAL/Constrained_Delaunay_triangulation_2.h>
-#include <CGAL/Exact_predicates_exact_constructions_kernel.h>
-#include <CGAL/Triangulation_vertex_base_with_info_2.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -13,23 +8,16 @@
 #include <numeric>
 #include <utility>
 
+#include "src/immersion/exact_triangulation.h"
+
 namespace overtet {
 
 namespace {
 
 using Eigen::Vector3d;
-using Kernel = CGAL::Exact_predicates_exact_constructions_kernel;
-using Point2 = Kernel::Point_2;
-using Scalar = Kernel::FT;
-
-struct VertexInfo {
-  Index id = -1;
-};
-using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<VertexInfo, Kernel>;
-using FaceBase = CGAL::Constrained_triangulation_face_base_2<Kernel>;
-using Structure = CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>;
-using Triangulation =
-    CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure, CGAL::Exact_intersections_tag>;
+using exact::Point2;
+using exact::Scalar;
+using exact::Triangulation;
 
 using Edge = std::pair<Index, Index>;  // smaller vertex first
 
