@@ -6,7 +6,7 @@
 #include "src/io/file.h"
 #include "src/io/surface_io.h"
 #include "src/io/tet_io.h"
-#include "src/repair/repair.h"
+#include "src/pipeline/pipeline.h"
 
 namespace overtet {
 
@@ -35,20 +35,25 @@ int run(const RepairCommand& command, const CommonOptions& common, Terminal& ter
                     [&](const Error& error) { terminal.error(error.message); });
   const Result<Surface> surface = read_surface(command.input);
   if (!surface) return fail(terminal, surface.error());
-  RepairOptions options;
-  options.max_relative_move = command.max_move / 100;
-  const Result<RepairResult> repaired = repair(surface.value(), options, context);
+  PipelineOptions options;
+  options.on_infeasible = OnInfeasible::repair;
+  options.max_repair_move = command.max_move / 100;
+  options.improve_degrees = 0;
+  const PipelineResult result = run_pipeline(surface.value(), options, context);
   watchdog.dismiss();
-  if (!repaired) return fail(terminal, repaired.error());
-  const RepairResult& r = repaired.value();
-  if (Status s = write_surface(command.output, r.surface, format.value()); !s)
+  if (!result.ok()) return fail(terminal, result.error);
+  if (interrupt_flag()) return fail(terminal, {ErrorCode::interrupted, "Interrupted; nothing was written."});
+  Surface repaired = surface.value();
+  repaired.V = result.mesh.V.topRows(repaired.V.rows());
+  if (Status s = write_surface(command.output, repaired, format.value()); !s)
     return fail(terminal, s.error());
   terminal.clear();
+  const Report& r = result.report;
   char most[96];
-  std::snprintf(most, sizeof most, "%.4f %% of the diagonal at most (%.4f in the mean). ",
-                100 * r.max_relative, 100 * r.mean_relative);
-  terminal.say(command.output + ": " + std::to_string(r.moved.size()) + " of " +
-               std::to_string(r.surface.V.rows()) + " vertices moved, by " + most + r.diagnosis.message);
+  std::snprintf(most, sizeof most, "%.4f %% of the diagonal at most (%.4f in the mean).",
+                100 * r.max_relative_move, 100 * r.mean_relative_move);
+  terminal.say(command.output + ": " + std::to_string(r.moved_vertices) + " of " +
+               std::to_string(repaired.V.rows()) + " vertices moved, by " + most + " It has a tet mesh.");
   return 0;
 }
 

@@ -368,10 +368,10 @@ Status run_repairing(const Surface& surface, const PipelineOptions& options, con
   if (options.on_infeasible != OnInfeasible::repair || !repairable(first.error())) return first;
   const InputRecord input = report.input;
   const std::optional<WitnessRecord> witness = report.witness;
-  // What is pulled back to the input locks early where it is made of bad tets.
-  constexpr double kFewBadTets = 10;
+  // What is pulled back to the input locks early where it is made of bad tets. Always the same, so that the
+  // repaired surface does not depend on what becomes of the mesh afterwards.
   PipelineOptions to_pull = options, as_it_is = options;
-  if (options.improve_degrees == 0) to_pull.improve_degrees = kFewBadTets;
+  to_pull.improve_degrees = PipelineOptions().improve_degrees;
   as_it_is.improve_degrees = 0;
   const auto mesh_of = [&](const Surface& moved) {
     MeshAttempt attempt;
@@ -389,7 +389,8 @@ Status run_repairing(const Surface& surface, const PipelineOptions& options, con
   report.witness = witness;
   if (!repaired) return repaired.error();
   RepairedMesh& r = repaired.value();
-  Run run(r.surface, true, r.pulled ? options : as_it_is, context, result);
+  const bool good_already = !r.pulled && options.improve_degrees <= to_pull.improve_degrees;
+  Run run(r.surface, true, good_already ? as_it_is : options, context, result);
   if (Status s = run.finish_given(std::move(r.mesh)); !s) return s;
   report.status = RunStatus::repaired;
   report.witness.reset();

@@ -14,7 +14,7 @@ namespace overtet {
 namespace {
 
 constexpr int kRepairs = 8;
-constexpr double kFar = 0.6;       // of the diagonal: as far as it takes, when the way back is still to come
+constexpr double kFar = 0.6;       // of the diagonal: as far as it takes; the way back is still to come
 constexpr double kGentle = 0.01;   // moves of this size are as good as smaller ones
 constexpr double kPullTime = 0.4;  // of the time that is left
 
@@ -26,24 +26,27 @@ class Repairing {
   }
 
   Result<RepairedMesh> run(const std::optional<Eigen::Vector3d>& unglued) {
-    for (const bool far : {false, true}) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const bool far : {true, false}) {
       Result<std::optional<RepairedMesh>> away = move_away(far, unglued);
       if (!away) return away.error();
       if (!away.value()) continue;
       RepairedMesh best = std::move(*away.value());
       Result<std::optional<RepairedMesh>> back = pull_back(best, far);
       if (!back) return back.error();
-      if (back.value() && (far || better(*back.value(), best))) best = std::move(*back.value());
+      if (back.value() && (best.max_relative > route_.max_move || better(*back.value(), best)))
+        best = std::move(*back.value());
       if (best.max_relative <= route_.max_move) return best;
-      char least[160];
-      std::snprintf(least, sizeof least,
-                    " A repair was found that moves %zu vertices by up to %.2f %% of the diagonal.",
-                    best.moved.size(), 100 * best.max_relative);
-      Error error = first_;
-      error.message += least;
-      return error;
+      least = std::min(least, best.max_relative);
     }
-    return first_;
+    Error error = first_;
+    if (least < 1) {
+      char more[96];
+      std::snprintf(more, sizeof more, " Moving vertices by up to %.3g %% of the diagonal would do.",
+                    100 * least + 0.01);
+      error.message += more;
+    }
+    return error;
   }
 
  private:

@@ -33,7 +33,7 @@ constexpr double kSnapReach = 0.5, kFar = 1;
 constexpr int kNewtonSteps = 4;
 // Spreading: the part of what is allowed that is aimed at; the first force; how much more those that are
 // there count than those at home; rings that may move.
-constexpr double kWithin = 0.95, kSpreadPull = 3, kSpreadWeight = 10;
+constexpr double kWithin = 0.95, kSpreadPull = 3, kSpreadWeight = 10, kMostSpreadWeight = 1e4;
 constexpr int kSpreadRings = 8;
 constexpr double kTurnTolerance = 1;  // radians, around an interior edge; a wrong one is off by 2 pi
 
@@ -76,6 +76,7 @@ class Mapper {
     }
     for (std::size_t v = 0; v < length_.size(); ++v) length_[v] /= std::max(count[v], 1);
     surface_ = mesh_.boundary();
+    if (options.largest_move > 0) lengthen();
     std::map<std::array<Index, 2>, Index> opposite;
     for (const auto& f : surface_)
       for (int k = 0; k < 3; ++k) opposite[{f[k], f[(k + 1) % 3]}] = f[(k + 2) % 3];
@@ -105,7 +106,8 @@ class Mapper {
 
   Result<VolumeMapResult> run() {
     Status pulled = pull();
-    if (!pulled && pulled.error().code == ErrorCode::unsolved && options_.largest_move > 0) pulled = spread();
+    if (!pulled && pulled.error().code == ErrorCode::unsolved && options_.largest_move > 0)
+      pulled = make_do();
     if (!pulled) return pulled.error();
     result_.away = away();
     result_.farthest = farthest_move();
@@ -133,6 +135,18 @@ class Mapper {
 
   double distance(Index v) const {
     return (mesh_.position(v) - Vector3d(target_.row(v))).norm() / length_[v];
+  }
+
+  // Where the surface has been smoothed to a point, its edges there are no measure of how far things are.
+  void lengthen() {
+    std::vector<double> sum(static_cast<std::size_t>(nb_), 0);
+    std::vector<int> count(static_cast<std::size_t>(nb_), 0);
+    for (const auto& f : surface_)
+      for (int k = 0; k < 3; ++k) {
+        sum[f[k]] += (target_.row(f[k]) - target_.row(f[(k + 1) % 3])).norm();
+        ++count[f[k]];
+      }
+    for (Index v = 0; v < nb_; ++v) length_[v] = std::max(length_[v], sum[v] / std::max(count[v], 1));
   }
 
   void remesh(LocalOperations& work, const Patch& patch) {
@@ -265,6 +279,8 @@ class Mapper {
                                                 " boundary vertices at once, more than it can."};
       }
       double error = 0;
+      if (options_.largest_move > 0 && before_locking_.vertex_count() == 0 && force > kSpreadPull)
+        before_locking_ = mesh_;
       for (Patch& patch : patches) {
         // Angles at boundary edges with an end that is away; for the branch those around wound edges count.
         if (wound_) {
@@ -320,8 +336,9 @@ class Mapper {
       stalled = progress ? 0 : stalled + 1;
       // The force grows when what it can do is done.
       if (!fast && force < options_.largest_pull) force *= options_.pull_growth;
-      if (stalled >= 4) {
-        if (refinements >= options_.refinements) return locked(list);
+      if (stalled >= 4 && refinements >= options_.refinements) {
+        if (options_.largest_move == 0 || force >= options_.largest_pull) return locked(list);
+      } else if (stalled >= 4) {
         for (const Index v : list) result_.refinements += refine(work, v, refinements % 2 == 1);
         ++refinements;
         stalled = 0;
@@ -339,7 +356,45 @@ class Mapper {
     return most;
   }
 
-  // What cannot reach its place is held back by its neighbours, which have reached theirs. Gives way to
+  // Whether the mesh as it is is better than one with so many away, and so far.
+  bool better_than(std::size_t count, double far) const {
+    const double now = farthest_move();
+    const bool fine = now <= options_.largest_move, other = far <= options_.largest_move;
+    if (fine != other) return fine;
+    return fine ? away().size() < count : now < far;
+  }
+
+  void bring_home() {
+    LocalOperations work(mesh_);
+    for (int pass = 0; pass < 3; ++pass) {
+      std::vector<Index> list = away();
+      if (snap(work, list, 1e300) == 0) break;
+    }
+  }
+
+  // The pull is locked: takes its end, or where that is too far, the best of it and of what spreading makes
+  // of a state before it and of it.
+  Status make_do() {
+    bring_home();
+    TetComplex best = mesh_;
+    std::size_t count = away().size();
+    double far = farthest_move();
+    for (const bool early : {true, false}) {
+      if (far <= options_.largest_move) break;
+      if (early && before_locking_.vertex_count() == 0) continue;
+      mesh_ = early ? before_locking_ : best;
+      if (Status s = spread(); !s) return s;
+      bring_home();
+      if (!better_than(count, far)) continue;
+      best = mesh_;
+      count = away().size();
+      far = farthest_move();
+    }
+    mesh_ = std::move(best);
+    return success();
+  }
+
+  // What cannot reach its place is held back by its neighbours, which have reached theirs. They give way to
   // those that are too far from theirs: around them everything moves again, pulled the more the farther.
   Status spread() {
     const double limit = kWithin * options_.largest_move;
@@ -349,26 +404,26 @@ class Mapper {
     double best_move = farthest_move(), last = best_move, force = kSpreadPull;
     std::vector<double> weights(nb_, 1);
     const auto weigh = [&] {
-      for (Index v = 0; v < nb_; ++v) weights[v] = 1 + kSpreadWeight * std::pow(move_of(v) / limit, 6);
+      for (Index v = 0; v < nb_; ++v)
+        weights[v] = 1 + std::min(kSpreadWeight * std::pow(move_of(v) / limit, 6), kMostSpreadWeight);
     };
-    int stalled = 0;
+    int stalled = 0, rings = kSpreadRings;
     for (int round = 0; round < options_.spread_rounds && best_move > options_.largest_move; ++round) {
-      if (seconds_since(begin_) > options_.seconds || force > options_.largest_pull) break;
+      if (seconds_since(begin_) > options_.seconds || force > options_.largest_pull || rings == 0) break;
       std::vector<char> may_move(nb_, 0);
       for (Index v = 0; v < nb_; ++v) may_move[v] = move_of(v) > 0.5 * limit;
-      for (int ring = 0; ring < kSpreadRings; ++ring) {
+      for (int ring = 0; ring < rings; ++ring) {
         const std::vector<char> before = may_move;
         for (const auto& f : surface_)
           if (before[f[0]] || before[f[1]] || before[f[2]])
             for (const Index v : f) may_move[v] = 1;
       }
       std::vector<Index> all;
-      for (Index v = 0; v < nb_; ++v) {
-        may_move[v] = may_move[v] || !home(v);
+      for (Index v = 0; v < nb_; ++v)
         if (may_move[v]) all.push_back(v);
-      }
+      bool moved = false;
       for (const Patch& patch : solver_.grow(mesh_, all, options_.interior_rings, 0, may_move)) {
-        if (patch.free.size() > kLargestPatch) return success();
+        if (patch.free.size() > kLargestPatch) continue;
         PatchForces forces;
         forces.pull = force;
         forces.weights = &weights;
@@ -376,8 +431,13 @@ class Mapper {
           if (auto stop = context_.stop()) return *stop;
           weigh();
           if (!move(work, patch, forces)) break;
+          moved = true;
         }
         remesh(work, patch);
+      }
+      if (!moved) {
+        rings /= 2;
+        continue;
       }
       const double now = farthest_move();
       context_.report("volume_map", double(round) / options_.spread_rounds,
@@ -390,11 +450,6 @@ class Mapper {
       if (stalled >= 3) force *= options_.pull_growth, stalled = 0;
     }
     mesh_ = std::move(best);
-    LocalOperations home_again(mesh_);
-    for (int pass = 0; pass < 3; ++pass) {
-      std::vector<Index> list = away();
-      if (snap(home_again, list, 1e300) == 0) break;
-    }
     return success();
   }
 
@@ -419,6 +474,7 @@ class Mapper {
   std::vector<int> near_wound_;  // per surface vertex: rings from a wound edge, a large number beyond
   VolumeMapResult result_;
   std::vector<Vector3d> positions_;
+  TetComplex before_locking_;  // a state of the pull with healthy tets
 };
 
 }  // namespace

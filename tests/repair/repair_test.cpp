@@ -62,6 +62,18 @@ Surface folded(double past) {
   return s;
 }
 
+// A sphere one side of which was pushed in until it sticks out of the other one, inside out.
+Surface poked(double width) {
+  Surface s = test::sphere(2);
+  const double depth = 1.15 * (s.V.col(2).maxCoeff() - s.V.col(2).minCoeff());
+  Index top = 0;
+  s.V.col(2).maxCoeff(&top);
+  const Eigen::RowVector3d p = s.V.row(top);
+  for (Index v = 0; v < s.V.rows(); ++v)
+    s.V(v, 2) -= depth * std::exp(-(s.V.row(v) - p).squaredNorm() / (width * width));
+  return s;
+}
+
 // A thin capsule whose end was carried off and back, so that what joins the two is inside out.
 Surface inside_out_limb(double sideways, double back) {
   Surface s = test::capsule(6, 0.2, 20);
@@ -289,6 +301,46 @@ TEST(Repair, RepairedSurfacesAreMeshedExactly) {
     for (Index v = 0; v < s.V.rows(); ++v) same += r.mesh.V.row(v) == s.V.row(v);
     EXPECT_EQ(same, s.V.rows() - r.report.moved_vertices);
   }
+}
+
+// Deeper than any vertex may move on its way: out, and back as far as it goes.
+TEST(Repair, TheMeshIsPulledBack) {
+  PipelineOptions options;
+  options.on_infeasible = OnInfeasible::repair;
+  options.improve_degrees = 0;
+  for (const Surface& s : {poked(0.3), poked(0.5)}) {
+    ASSERT_TRUE(test::is_closed_oriented(s));
+    const PipelineResult r = run_pipeline(s, options, {});
+    ASSERT_TRUE(r.ok()) << r.error.message;
+    if (verdict_of(s) == Verdict::feasible) continue;
+    EXPECT_EQ(r.report.status, RunStatus::repaired);
+    EXPECT_LE(r.report.max_relative_move, options.max_repair_move);
+    Index moved = 0;
+    double largest = 0;
+    for (Index v = 0; v < s.V.rows(); ++v) {
+      moved += r.mesh.V.row(v) != s.V.row(v);
+      largest = std::max(largest, (r.mesh.V.row(v) - s.V.row(v)).norm() / diagonal(s));
+    }
+    EXPECT_EQ(moved, r.report.moved_vertices);
+    EXPECT_DOUBLE_EQ(largest, r.report.max_relative_move);
+    // Never more than what smoothing alone comes to.
+    const auto smoothed = repair(s, {}, {});
+    if (smoothed.ok()) {
+      EXPECT_LE(moved, static_cast<Index>(smoothed.value().moved.size()));
+    }
+  }
+}
+
+TEST(Repair, SaysHowFarVerticesWouldHaveToMove) {
+  PipelineOptions options;
+  options.on_infeasible = OnInfeasible::repair;
+  options.improve_degrees = 0;
+  options.max_repair_move = 1e-3;
+  const PipelineResult r = run_pipeline(poked(0.5), options, {});
+  ASSERT_FALSE(r.ok());
+  EXPECT_EQ(r.exit_code(), 5);
+  EXPECT_NE(r.error.message.find("would do"), std::string::npos) << r.error.message;
+  EXPECT_TRUE(r.report.witness.has_value());
 }
 
 TEST(Repair, AFoldInAPipelineRunIsRepaired) {

@@ -137,6 +137,44 @@ TEST(VolumeMap, TheImpossibleIsAnError) {
   EXPECT_NE(std::string::npos, r.error().message.find("vertex")) << r.error().message;
 }
 
+// The same where coming near is enough: a ball of which one side is pushed in until it sticks out inside out
+// on the other one.
+TEST(VolumeMap, WhatCannotBeReachedIsApproached) {
+  const Surface s = test::sphere_surface(2);
+  const auto filled = tet_mesh(s, {}, {});
+  ASSERT_TRUE(filled.ok());
+  VertexMatrix target = s.V;
+  for (Index v = 0; v < target.rows(); ++v)
+    target(v, 2) -= 2.2 * std::exp(-8 * (target.row(v) - Eigen::RowVector3d(0, 0, 1)).squaredNorm());
+  VolumeMapOptions options;
+  options.refinements = 0;
+  EXPECT_FALSE(volume_map(filled.value().mesh, target, {}, options, {}).ok());
+  double least = 1e300;
+  for (const double largest : {1e300, 0.3}) {
+    SCOPED_TRACE(largest);
+    options.largest_move = largest;
+    const auto r = volume_map(filled.value().mesh, target, {}, options, {});
+    ASSERT_TRUE(r.ok()) << r.error().message;
+    const VolumeMapResult& x = r.value();
+    const TetComplex before(filled.value().mesh.V, filled.value().mesh.T), after(x.mesh.V, x.mesh.T);
+    test::expect_valid(after);
+    EXPECT_EQ(test::boundary_faces(before), test::boundary_faces(after));
+    EXPECT_FALSE(x.away.empty());
+    EXPECT_LT(x.away.size(), static_cast<std::size_t>(s.V.rows()) / 3);
+    VertexMatrix reached = target;
+    double farthest = 0;
+    for (const Index v : x.away) {
+      EXPECT_NE(x.mesh.V.row(v), target.row(v));
+      farthest = std::max(farthest, (x.mesh.V.row(v) - target.row(v)).norm());
+      reached.row(v) = x.mesh.V.row(v);
+    }
+    EXPECT_DOUBLE_EQ(farthest, x.farthest);
+    EXPECT_TRUE(check_postconditions(x, reached).ok());  // all others are at their places
+    EXPECT_LE(farthest, least);
+    least = farthest;
+  }
+}
+
 TEST(VolumeMap, OptionsCancelAndPostconditions) {
   const Surface s = test::sphere_surface(1);
   const auto filled = tet_mesh(s, {}, {});
