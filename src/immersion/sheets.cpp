@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <deque>
 #include <functional>
 #include <map>
 #include <numeric>
@@ -22,11 +24,23 @@ using Triple = std::array<Index, 3>;
 // The face opposite to corner k of a positive tet, oriented outward.
 constexpr int kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 
-// Gluings of one triangle beyond this number mean windings around 6; nothing natural has them.
-constexpr std::size_t kMostOptions = 20000;
+// Regions with more gluings than this (windings beyond 4) have none listed beforehand: those that can be
+// right are made from the gluings around them.
+constexpr double kMostListed = 150;
+
+// Where that must do, and nothing around is known, beyond this number the search gives up.
+constexpr double kMostOptions = 50'000;
+
+// At an edge that may be wound all numbers of turns are tried where a region has no more gluings than the
+// first of these numbers (windings of 5 and 6), else as many turns as the second one.
+constexpr double kMostTurned = 6000;
+constexpr int kMostTurnsMade = 2;
 
 // Search steps before the constraint problem counts as unsolved; natural inputs need about one a region.
 constexpr std::int64_t kMostSearchNodes = 2'000'000;
+
+// The same a region, where options have to be made: each step takes much longer.
+constexpr std::int64_t kMostNodesMade = 3;
 
 // Rounds of the search with free edges; each but the last has found edges whose parts did not agree.
 constexpr int kFreeRounds = 4;
@@ -81,67 +95,57 @@ struct Option {
   std::vector<int> back_of, front_of;
 };
 
+// Copies carry no names. Where one side's copies get theirs from a gluing, of all gluings that differ by a
+// relabelling of that side one remains: matched copies in the order of the other side, then those that end by
+// slot.
+enum class Named { neither, front, back };
+
+// The number of gluings of a region, in doubles since it grows like a factorial; 0 when there is none.
+double count_options(const Region& region, Named named) {
+  double plus = 0, minus = 0;
+  for (const int sign : region.signs) ++(sign > 0 ? plus : minus);
+  const double front = region.front_winding, back = region.back_winding, matched = back - plus;
+  if (matched < 0 || matched != front - minus) return 0;
+  const auto factorial = [](double n) { return std::tgamma(n + 1); };
+  if (named == Named::back) return factorial(front) / factorial(matched);
+  if (named == Named::front) return factorial(back) / factorial(matched);
+  return factorial(front) * factorial(back) / factorial(matched);
+}
+
 // All gluings of `front` copies to `back` copies with the given sheets ending in between.
-bool enumerate_options(const Region& region, std::vector<Option>& out) {
+template <class Options>
+void enumerate_options(const Region& region, Named named, Options& out) {
   const int front = region.front_winding, back = region.back_winding;
   std::vector<int> plus, minus;
   for (int s = 0; s < static_cast<int>(region.signs.size()); ++s)
     (region.signs[s] > 0 ? plus : minus).push_back(s);
-  const int matched = back - static_cast<int>(plus.size());
-  if (matched < 0 || matched != front - static_cast<int>(minus.size())) return true;
   Option option{std::vector<int>(front, -100), std::vector<int>(back, -100)};
-  bool fits = true;
   const std::function<void(int)> place_matched = [&](int f) {
     while (f < front && option.back_of[f] != -100) ++f;
-    if (f >= front) {
-      if (out.size() >= kMostOptions) fits = false;
-      if (fits) out.push_back(option);
-      return;
-    }
-    for (int b = 0; b < back && fits; ++b) {
+    if (f >= front) return out.push_back(option);
+    for (int b = 0; b < back; ++b) {
       if (option.front_of[b] != -100) continue;
       option.back_of[f] = b, option.front_of[b] = f;
       place_matched(f + 1);
       option.back_of[f] = -100, option.front_of[b] = -100;
+      if (named != Named::neither) break;  // in order
     }
   };
-  const std::function<void(std::size_t)> place_minus = [&](std::size_t i) {
-    if (i == minus.size()) return place_matched(0);
-    for (int f = 0; f < front && fits; ++f) {
-      if (option.back_of[f] != -100) continue;
-      option.back_of[f] = -1 - minus[i];
-      place_minus(i + 1);
-      option.back_of[f] = -100;
+  // The slots of a named side take its last copies.
+  const auto place = [&](auto&& self, const std::vector<int>& slots, std::size_t i, std::vector<int>& side,
+                         bool last, const std::function<void()>& next) -> void {
+    if (i == slots.size()) return next();
+    const int n = static_cast<int>(side.size()), first = last ? n - static_cast<int>(slots.size() - i) : 0;
+    for (int c = first; c < n; ++c) {
+      if (side[c] != -100) continue;
+      side[c] = -1 - slots[i];
+      self(self, slots, i + 1, side, last, next);
+      side[c] = -100;
+      if (last) break;
     }
   };
-  const std::function<void(std::size_t)> place_plus = [&](std::size_t i) {
-    if (i == plus.size()) return place_minus(0);
-    for (int b = 0; b < back && fits; ++b) {
-      if (option.front_of[b] != -100) continue;
-      option.front_of[b] = -1 - plus[i];
-      place_plus(i + 1);
-      option.front_of[b] = -100;
-    }
-  };
-  place_plus(0);
-  return fits;
-}
-
-// Of all options that differ only by a relabelling of the copies on one side, exactly one is canonical.
-bool canonical(const std::vector<int>& to_side, const std::vector<int>& from_side) {
-  // to_side: per copy of the other side, its copy on the side to relabel. Matched copies first, then slots.
-  int expected = 0;
-  for (const int c : to_side)
-    if (c >= 0 && c != expected++) return false;
-  int last = 0;
-  for (const int c : from_side) {
-    if (c >= 0) continue;
-    if (-1 - c < last) return false;  // slots in increasing order
-    last = -1 - c;
-  }
-  for (std::size_t c = 0; c < from_side.size(); ++c)
-    if ((from_side[c] >= 0) != (static_cast<int>(c) < expected)) return false;
-  return true;
+  place(place, plus, 0, option.front_of, named == Named::back,
+        [&] { place(place, minus, 0, option.back_of, named == Named::front, [&] { place_matched(0); }); });
 }
 
 // One edge of the arrangement with all facets around it.
@@ -877,25 +881,30 @@ class Assigner {
 
   std::optional<Error> solve() {
     const Index n = static_cast<Index>(out_.regions.size());
+    name_copies();
     options_.resize(n);
+    listed_.assign(n, 1);
+    known_.assign(n, {});
     for (Index r = 0; r < n; ++r) {
-      const bool all = enumerate_options(out_.regions[r], options_[r]);
-      if (all && !options_[r].empty()) continue;
+      const double count = count_options(out_.regions[r], named_[r]);
+      if (count > kMostListed) {
+        listed_[r] = 0;
+        continue;
+      }
+      if (count > 0) {
+        enumerate_options(out_.regions[r], named_[r], options_[r]);
+        continue;
+      }
       cut_short_ = true;
-      Error error{
-          ErrorCode::unsolved,
-          all ? "Faces of the surface lie on each other where the solid has no thickness between them."
-              : "The surface winds so many times around a region, " +
-                    std::to_string(std::max(out_.regions[r].front_winding, out_.regions[r].back_winding)) +
-                    ", that there are too many ways to glue its sheets."};
+      Error error{ErrorCode::unsolved,
+                  "Faces of the surface lie on each other where the solid has no thickness between them."};
       for (std::size_t f = 0; f < out_.facets.size() && !error.place; ++f)
         if (out_.facets[f].region == r) error.place = place(corners_[f][0]);
       return error;
     }
-    fix_labels();
     chosen_.assign(n, nullptr);
     for (Index r = 0; r < n; ++r)
-      if (options_[r].size() == 1) chosen_[r] = &options_[r][0];
+      if (listed_[r] && options_[r].size() == 1) chosen_[r] = &options_[r][0];
 
     fans_of_.assign(n, {});
     for (Index c = 0; c < static_cast<Index>(fans_.size()); ++c) {
@@ -957,8 +966,9 @@ class Assigner {
     return error;
   }
 
-  // Copies of a cell carry no names: along a spanning forest of the cells one gluing stands for all.
-  void fix_labels() {
+  // Along a spanning forest of the cells.
+  void name_copies() {
+    named_.assign(out_.regions.size(), Named::neither);
     std::vector<std::vector<Index>> regions_of(cells_);
     for (Index r = 0; r < static_cast<Index>(out_.regions.size()); ++r) {
       if (region_front_[r] >= 0) regions_of[region_front_[r]].push_back(r);
@@ -981,9 +991,7 @@ class Assigner {
           const Index other = here_is_front ? region_back_[r] : region_front_[r];
           if (other < 0 || fixed[other] || other == c) continue;
           fixed[other] = 1;
-          std::erase_if(options_[r], [&](const Option& o) {
-            return here_is_front ? !canonical(o.back_of, o.front_of) : !canonical(o.front_of, o.back_of);
-          });
+          named_[r] = here_is_front ? Named::back : Named::front;
           queue.push_back(other);
         }
       }
@@ -994,17 +1002,25 @@ class Assigner {
     }
   }
 
-  // Options of r that no fan with all other regions chosen rejects.
-  std::vector<Index> possible(Index r) {
+  // Options of r that no fan with all other regions chosen rejects. None, where r has no list and nothing
+  // around it is known.
+  std::optional<std::vector<Index>> possible(Index r) {
+    std::vector<Index> candidates;
+    if (listed_[r]) {
+      candidates.resize(options_[r].size());
+      std::iota(candidates.begin(), candidates.end(), 0);
+    } else if (auto made = make_options(r)) {
+      candidates = std::move(*made);
+    } else {
+      return std::nullopt;
+    }
     std::vector<Index> out;
     std::vector<std::pair<double, Index>> costs;
-    for (Index o = 0; o < static_cast<Index>(options_[r].size()); ++o) {
+    for (const Index o : candidates) {
       chosen_[r] = &options_[r][o];
       bool fits = true;
       for (const Index c : fans_of_[r]) {
-        bool complete = true;
-        for (const Index other : open_members_.at(c)) complete &= chosen_[other] != nullptr;
-        if (complete && !satisfied(fans_[c], chosen_, out_.regions)) {
+        if (is_complete(fans_[c]) && !satisfied(fans_[c], chosen_, out_.regions)) {
           fits = false;
           deepest_fan_ = c;
           break;
@@ -1015,9 +1031,7 @@ class Assigner {
       for (const Index c : free_fans_of_[r]) {
         if (!fits) break;
         const FreeFan& f = free_fans_[c];
-        bool complete = true;
-        for (const auto& leaf : f.fan.leaves) complete &= chosen_[leaf.region] != nullptr;
-        if (!complete) continue;
+        if (!is_complete(f.fan)) continue;
         const int turns = turns_at(f);
         fits = turns >= 0;
         cost += (turns != f.given) + (turns > 0 && f.pierced ? kPiercedCost : 0);
@@ -1030,6 +1044,136 @@ class Assigner {
     return out;
   }
 
+  // But for the region `open`.
+  bool is_complete(const Fan& fan, Index open = -1) const {
+    return std::all_of(fan.leaves.begin(), fan.leaves.end(),
+                       [&](const Fan::Leaf& l) { return l.region == open || chosen_[l.region]; });
+  }
+
+  // For a region without a list: the gluings that a fan allows in which all others are chosen.
+  std::optional<std::vector<Index>> make_options(Index r) {
+    const auto once = [&](const Fan& fan) {
+      return std::count_if(fan.leaves.begin(), fan.leaves.end(),
+                           [&](const Fan::Leaf& l) { return l.region == r; }) == 1;
+    };
+    for (const Index c : fans_of_[r]) {
+      const Fan& fan = fans_[c];
+      int turns = 0;
+      for (const Fan::Pass& pass : fan.passes) turns += pass.turns;
+      if (turns > 2 * kMostTurnsMade || !once(fan) || !is_complete(fan, r)) continue;  // passes come twice
+      if (auto made = options_around(fan, r, turns)) return made;
+    }
+    for (const Index c : free_fans_of_[r]) {
+      const Fan& fan = free_fans_[c].fan;
+      if (!once(fan) || !is_complete(fan, r)) continue;
+      const bool all = count_options(out_.regions[r], named_[r]) <= kMostTurned;
+      if (!all) cut_short_ = true;
+      const int most = std::min(out_.regions[r].front_winding, out_.regions[r].back_winding);
+      if (auto made = options_around(fan, r, all ? most : kMostTurnsMade)) return made;
+    }
+    return std::nullopt;
+  }
+
+  // Copies that come back to the region on the other side, having gone around the edge, must close there; the
+  // few that begin or end on the way are joined in all ways. One more turn: a copy on such a path and one
+  // that closes exchange what they lead to.
+  std::optional<std::vector<Index>> options_around(const Fan& fan, Index r, int turns) {
+    const Region& region = out_.regions[r];
+    const int front = region.front_winding, back = region.back_winding;
+    int at = 0;
+    while (fan.leaves[at].region != r) ++at;
+    const bool flipped = fan.leaves[at].flipped;
+    // Targets: back copies, then -1 - slot. Sources: front copies, then slots that begin on the back.
+    std::vector<int> target(front, -100);
+    std::vector<int> loose;  // targets that no front copy has yet
+    for (int b = 0; b < back; ++b) {
+      int leaf = at, side = flipped ? 0 : 1, copy = b;
+      for (;;) {
+        const int arrival = fan.arc[leaf][side];
+        if (arrival < 0) return std::nullopt;
+        leaf = arrival / 2, side = arrival % 2;
+        if (leaf == at) break;
+        const Fan::Leaf& l = fan.leaves[leaf];
+        const Option& option = *chosen_[l.region];
+        copy = ((side == 0) != l.flipped ? option.back_of : option.front_of)[copy];
+        if (copy < 0) break;
+        side = 1 - side;
+      }
+      if (copy >= 0 && (side == 0) == flipped) return std::nullopt;
+      if (copy >= 0)
+        target[copy] = b;
+      else
+        loose.push_back(b);
+    }
+    std::vector<int> open;  // sources without a target
+    for (int f = 0; f < front; ++f)
+      if (target[f] == -100) open.push_back(f);
+    const std::size_t copies = open.size();
+    for (int s = 0; s < static_cast<int>(region.signs.size()); ++s)
+      (region.signs[s] > 0 ? open : loose).push_back(region.signs[s] > 0 ? front + s : -1 - s);
+    constexpr std::size_t kMostOpen = 6;
+    if (open.size() != loose.size() || open.size() > kMostOpen) return std::nullopt;
+
+    struct Made {
+      std::vector<int> target;  // of the front copies, then of the slots
+      std::vector<int> path;    // sources on paths that begin or end
+    };
+    std::vector<Made> made;
+    target.resize(front + region.signs.size(), -100);
+    std::sort(loose.begin(), loose.end());
+    do {
+      bool fits = true;  // a slot cannot begin where another one ends
+      for (std::size_t i = copies; i < open.size(); ++i) fits = fits && loose[i] >= 0;
+      if (!fits) continue;
+      made.push_back({target, open});
+      for (std::size_t i = 0; i < open.size(); ++i) made.back().target[open[i]] = loose[i];
+    } while (std::next_permutation(loose.begin(), loose.end()));
+    for (std::size_t begin = 0; turns > 0; --turns) {
+      const std::size_t end = made.size();
+      for (std::size_t i = begin; i < end; ++i)
+        for (const int x : std::vector<int>(made[i].path))
+          for (int f = 0; f < front; ++f) {
+            const Made& now = made[i];
+            if (std::find(now.path.begin(), now.path.end(), f) != now.path.end()) continue;
+            Made more = now;
+            std::swap(more.target[x], more.target[f]);
+            more.path.push_back(f);
+            if (x >= front && more.target[x] < 0) continue;
+            made.push_back(std::move(more));
+          }
+      begin = end;
+    }
+    std::vector<Index> out;
+    for (const Made& m : made) {
+      Option option{std::vector<int>(front, -100), std::vector<int>(back, -100)};
+      for (int x = 0; x < static_cast<int>(m.target.size()); ++x) {
+        const int to = m.target[x];
+        if (to == -100) continue;
+        if (x < front) option.back_of[x] = to;
+        if (to >= 0) option.front_of[to] = x < front ? x : -1 - (x - front);
+      }
+      std::vector<int> key = option.back_of;
+      key.insert(key.end(), option.front_of.begin(), option.front_of.end());
+      const auto [place, is_new] =
+          known_[r].try_emplace(std::move(key), static_cast<Index>(options_[r].size()));
+      if (is_new) options_[r].push_back(std::move(option));
+      out.push_back(place->second);
+    }
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+    return out;
+  }
+
+  // Lists all options of a region; false when there are too many.
+  bool list_options(Index r) {
+    if (count_options(out_.regions[r], named_[r]) > kMostOptions) return false;
+    options_[r].clear();
+    known_[r].clear();
+    enumerate_options(out_.regions[r], named_[r], options_[r]);
+    listed_[r] = 1;
+    return true;
+  }
+
   bool search(const std::vector<Index>& part) {
     struct Level {
       Index region;
@@ -1037,9 +1181,13 @@ class Assigner {
       std::size_t next = 0;
     };
     std::vector<Level> levels;
-    std::vector<std::vector<Index>> left(part.size());
+    std::vector<std::optional<std::vector<Index>>> left(part.size());  // none: many
     std::map<Index, std::size_t> at;
     for (std::size_t i = 0; i < part.size(); ++i) at[part[i]] = i, left[i] = possible(part[i]);
+    const bool all_listed = std::all_of(part.begin(), part.end(), [&](Index r) { return listed_[r] != 0; });
+    const std::int64_t most =
+        all_listed ? kMostSearchNodes
+                   : out_.search_nodes + 1000 + kMostNodesMade * static_cast<std::int64_t>(part.size());
     std::vector<char> stale(part.size(), 0);
     std::vector<int> touched(part.size(), 0);  // changes next to it: the search goes on where it has been
     const auto spoil = [&](Index r) {
@@ -1057,13 +1205,23 @@ class Assigner {
       for (std::size_t i = 0; i < part.size(); ++i) {
         if (chosen_[part[i]]) continue;
         if (stale[i]) left[i] = possible(part[i]), stale[i] = 0;
-        if (best == part.size() || left[i].size() < left[best].size() ||
-            (left[i].size() == left[best].size() && touched[i] > touched[best]))
+        const auto size = [&](std::size_t k) {
+          return left[k] ? left[k]->size() : std::numeric_limits<std::size_t>::max();
+        };
+        if (best == part.size() || size(i) < size(best) ||
+            (size(i) == size(best) && touched[i] > touched[best]))
           best = i;
-        if (left[best].empty()) break;
+        if (size(best) == 0) break;
       }
       if (best == part.size()) return true;
-      if (!left[best].empty()) levels.push_back({part[best], left[best]});
+      if (!left[best]) {
+        if (!list_options(part[best])) {
+          cut_short_ = true;
+          return false;
+        }
+        left[best] = possible(part[best]);
+      }
+      if (!left[best]->empty()) levels.push_back({part[best], *left[best]});
       // Take the next option of the deepest level that has one.
       for (;;) {
         if (levels.empty()) return false;
@@ -1073,7 +1231,7 @@ class Assigner {
         if (level.next < level.options.size()) {
           chosen_[level.region] = &options_[level.region][level.options[level.next++]];
           spoil(level.region);
-          if (++out_.search_nodes > kMostSearchNodes || (out_.search_nodes % 256 == 0 && context_.stop())) {
+          if (++out_.search_nodes > most || (out_.search_nodes % 256 == 0 && context_.stop())) {
             cut_short_ = true;
             return false;
           }
@@ -1103,7 +1261,10 @@ class Assigner {
   std::vector<Index> region_front_, region_back_;  // cells, in the region's orientation
   std::vector<Fan> fans_;
   std::vector<Index> fan_place_;
-  std::vector<std::vector<Option>> options_;
+  std::vector<Named> named_;                              // per region
+  std::vector<std::deque<Option>> options_;               // addresses stay
+  std::vector<char> listed_;                              // whether these are all
+  std::vector<std::map<std::vector<int>, Index>> known_;  // where they are not: which there are
   std::vector<const Option*> chosen_;
   std::vector<std::vector<Index>> fans_of_;
   std::map<Index, std::vector<Index>> open_members_;

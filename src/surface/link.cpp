@@ -18,7 +18,7 @@ using exact::Vec;
 
 // More layers, or a longer search, count as undecided. scripts/check_witness repeats the search.
 constexpr int kMostLayers = 6;
-constexpr std::int64_t kMostSteps = 20000;
+constexpr std::int64_t kMostSteps = 200'000;
 
 // The link polygon as a plane graph on the sphere: corners first, then crossings.
 struct Graph {
@@ -169,6 +169,8 @@ class Search {
  public:
   Search(const Graph& g, int B0, const std::vector<int>& least) : g_(g), B0_(B0), least_(least) {}
 
+  std::int64_t steps() const { return steps_; }
+
   LinkVerdict run(std::vector<int>& turns) {
     list_options();
     order_pieces();
@@ -258,19 +260,18 @@ class Search {
   }
 
   bool descend(std::size_t level) {
-    if (++steps_ > kMostSteps) return false;
     if (level == order_.size()) {
       return std::accumulate(turns_.begin(), turns_.end(), 2 * closed_parts()) == B0_;
     }
     const int piece = order_[level];
     for (const std::vector<int>& way : options_[piece]) {
+      if (++steps_ > kMostSteps) return false;
       inner_of_[piece] = way;
       outer_of_[piece].assign(inside(piece), -1);
       for (std::size_t c = 0; c < way.size(); ++c) outer_of_[piece][way[c]] = static_cast<int>(c);
       bool fits = true;
       for (const int node : completes_[level]) fits = fits && closes(node);
       if (fits && descend(level + 1)) return true;
-      if (steps_ > kMostSteps) return false;
     }
     return false;
   }
@@ -283,7 +284,8 @@ class Search {
       const Graph::Half& h = halves[(q + 1) % m];
       return h.leaves ? outer_of_[h.piece][copy] : inner_of_[h.piece][copy];
     };
-    std::set<std::pair<int, int>> ended;
+    std::uint64_t passed = 0;  // a bit for each sector and copy
+    const auto bit = [](int sector, int copy) { return std::uint64_t{1} << (8 * sector + copy); };
     for (int q = 0; q < m; ++q) {
       if (halves[q].leaves) continue;  // its left side is the outside: nothing begins there
       const int piece = halves[q].piece;
@@ -291,7 +293,8 @@ class Search {
       while (outer_of_[piece][copy] >= 0) ++copy;
       int sector = q, steps = 0;
       for (;;) {
-        if (!ended.insert({sector, copy}).second) return false;
+        if (passed & bit(sector, copy)) return false;
+        passed |= bit(sector, copy);
         const int next = cross_half(sector, copy);
         sector = (sector + 1) % m;
         if (next < 0) break;
@@ -311,7 +314,7 @@ class Search {
       const Graph::Half& h = halves[q];
       const int copies = h.leaves ? outside(h.piece) : inside(h.piece);
       for (int start = 0; start < copies; ++start) {
-        if (ended.count({q, start})) continue;
+        if (passed & bit(q, start)) continue;
         int copy = start;
         for (int step = 0; step < m && copy >= 0; ++step) copy = cross_half((q + step) % m, copy);
         if (copy != start) return false;
@@ -360,7 +363,9 @@ LinkAnswer fill_link(const Surface& surface, const SurfaceTopology& topology, co
   if (!hinge.B0) return out;
   std::optional<Graph> graph = Link(surface, topology, hinge.vertex).graph(hinge.crossings);
   if (!graph || !count_layers(*graph, near)) return out;
-  out.verdict = Search(*graph, *hinge.B0, least).run(out.turns);
+  Search search(*graph, *hinge.B0, least);
+  out.verdict = search.run(out.turns);
+  out.steps = search.steps();
   return out;
 }
 

@@ -13,6 +13,7 @@
 // Poenaru 1968; Shor and Van Wyk 1992), asked on the sphere.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "src/surface/hinges.h"
@@ -25,6 +26,7 @@ enum class LinkVerdict { filled, unfillable, undecided };
 struct LinkAnswer {
   LinkVerdict verdict = LinkVerdict::undecided;
   std::vector<int> turns;  // of one way to fill it, per edge; empty unless filled
+  std::int64_t steps = 0;  // of the search
 };
 
 // near, least: the winding number on the outer side of each edge next to the hinge, and its minimum all along

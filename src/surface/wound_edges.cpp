@@ -19,7 +19,8 @@ namespace {
 constexpr double kPiercedCost = 1000;  // one pierced edge weighs as much as this many others
 constexpr double kLengthCost = 1e-3;   // of an edge of mean length: decides between equal counts only
 constexpr double kClosedCost = 1e6;    // of a closed chain through a hinge, where others may do
-constexpr int kExactEnds = 16;         // subsets of so many ends are enumerated
+constexpr std::int64_t kMostLinkSteps = 5'000'000;  // of all links: a second or two
+constexpr int kExactEnds = 16;                      // subsets of so many ends are enumerated
 constexpr double kFar = std::numeric_limits<double>::infinity();
 
 class Assigner {
@@ -149,6 +150,7 @@ class Assigner {
   }
 
   std::optional<Error> find_unfillable(WoundEdges& out) {
+    std::int64_t steps = 0;
     for (const Hinge& hinge : hinges_) {
       if (auto stop = context_.stop()) return stop;
       if (!hinge.B0 || std::binary_search(out.crowded.begin(), out.crowded.end(), hinge.vertex)) continue;
@@ -160,8 +162,10 @@ class Assigner {
         near.push_back(level_at(h, hinge.vertex));
         all_along.push_back(least(h));
       });
-      if (!sure || fill_link(surface_, topology_, hinge, near, all_along).verdict != LinkVerdict::unfillable)
-        continue;
+      if (!sure || steps > kMostLinkSteps) continue;
+      const LinkAnswer answer = fill_link(surface_, topology_, hinge, near, all_along);
+      steps += answer.steps;
+      if (answer.verdict != LinkVerdict::unfillable) continue;
       out.unfillable.push_back(hinge.vertex);
       out.unmet.push_back(hinge.vertex);
       if (!out.explanation.empty()) continue;

@@ -55,6 +55,14 @@ TEST(HingeKinds, WoundOnceTwiceAndThrice) {
     }
 }
 
+// Winding numbers for which not all ways of gluing can be listed.
+TEST(HingeKinds, WoundManyTimes) {
+  for (const double turns : {5.4, 7.3, 9.3}) {
+    SCOPED_TRACE(turns);
+    expect_known_answer(spiral_stairs({.turns = turns, .edges = 2}));
+  }
+}
+
 TEST(HingeKinds, ChainsAlongABentAxis) {
   for (const double bend : {0.1, 0.2, 0.3}) {
     SCOPED_TRACE(bend);
