@@ -551,9 +551,8 @@ std::optional<Error> DelaunayFirst::mesh_piece(Piece& piece) const {
   TetgenOptions options;
   options.quality = false;
   options.accept_split = true;
-  Result<TetgenResult> result = piece.cavities.size() == 1
-                                    ? tetrahedralize_stubbornly(part, options, context_)
-                                    : tetrahedralize(part, options, context_);
+  Result<TetgenResult> result = piece.cavities.size() == 1 ? tetrahedralize_shuffled(part, options, context_)
+                                                           : tetrahedralize(part, options, context_);
   if (!result) return result.error();
   piece.result = std::move(result).value();
   const TetgenResult& r = piece.result;

@@ -77,19 +77,32 @@ bool worth_refining(const VertexMatrix& V, const TriangleMatrix& F) {
   return true;
 }
 
+namespace {
+
+bool settled(const Result<TetgenResult>& r) { return r.ok() || r.error().code != ErrorCode::unsolved; }
+
+}  // namespace
+
+Result<TetgenResult> tetrahedralize_shuffled(const Plc& plc, const TetgenOptions& options,
+                                             const RunContext& context) {
+  Result<TetgenResult> first = attempt(plc, options, context, 0);
+  for (int number = 1; number < kAttempts && !settled(first); ++number) {
+    Result<TetgenResult> again = attempt(plc, options, context, number);
+    if (settled(again)) return again;
+  }
+  return first;
+}
+
 Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptions& options,
                                                const RunContext& context) {
   TetgenOptions plain = options;
   plain.quality = false;
-  const bool large = plc.F.rows() >= kLarge && plc.holes.rows() == 0 && options.keep_facets &&
-                     options.accept_split && !options.fill_convex_hull;
+  const bool delaunay =
+      plc.holes.rows() == 0 && options.keep_facets && options.accept_split && !options.fill_convex_hull;
+  const bool large = delaunay && plc.F.rows() >= kLarge;
   Result<TetgenResult> first =
       large ? tetrahedralize_delaunay_first(plc, context) : tetrahedralize(plc, plain, context);
-  if (large && !first && first.error().code == ErrorCode::unsolved)
-    first = tetrahedralize(plc, plain, context);
-  const auto settled = [](const Result<TetgenResult>& r) {
-    return r.ok() || r.error().code != ErrorCode::unsolved;
-  };
+  if (large && !settled(first)) first = tetrahedralize(plc, plain, context);
   if (settled(first)) {
     const bool crowded = first.ok() && static_cast<double>(first.value().T.rows()) >
                                            kCrowd * static_cast<double>(first.value().V.rows());
@@ -97,13 +110,13 @@ Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptio
     Result<TetgenResult> refined = tetrahedralize(plc, options, context);
     return settled(refined) ? std::move(refined) : std::move(first);
   }
-  for (const bool quality : {true, false}) {
-    if (quality && !options.quality) continue;
-    for (int number = quality ? 0 : 1; number < kAttempts; ++number) {
-      Result<TetgenResult> again = attempt(plc, quality ? options : plain, context, number);
-      if (settled(again)) return again;
-    }
-  }
+  if (options.quality)
+    if (Result<TetgenResult> again = tetrahedralize_shuffled(plc, options, context); settled(again))
+      return again;
+  if (Result<TetgenResult> again = tetrahedralize_shuffled(plc, plain, context); settled(again)) return again;
+  if (delaunay)
+    if (Result<TetgenResult> again = tetrahedralize_delaunay_first(plc, context, {1, 10}); settled(again))
+      return again;
   return first;
 }
 

@@ -56,11 +56,15 @@ bool worth_refining(const VertexMatrix& V, const TriangleMatrix& F);
 
 Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options, const RunContext& context);
 
-// The same, several times where TetGen fails. First without points inside, whatever options.quality says:
-// that is fastest, but leaves flat tets where many points lie on a sphere; then with them, if options.quality
-// allows it. Whether TetGen finds its way through nearly degenerate facets depends on the order in which it
-// sees the points too, so the attempts turn the axes and shuffle the points (always in the same way). The
-// geometry stays the same to the last bit, and so do the promises.
+// The same, several times where TetGen fails. Whether it finds its way through nearly degenerate facets
+// depends on the order in which it sees the points, too, so the attempts turn the axes and shuffle the points
+// (always in the same way). The geometry stays the same to the last bit, and so do the promises.
+Result<TetgenResult> tetrahedralize_shuffled(const Plc& plc, const TetgenOptions& options,
+                                             const RunContext& context);
+
+// All means in turn. First without points inside, whatever options.quality says: that is fastest, but leaves
+// flat tets where many points lie on a sphere; then with them, if options.quality allows it. Large inputs
+// start from Delaunay tets (delaunay_first.h), and so do, at last, those where TetGen fails in every order.
 Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptions& options,
                                                const RunContext& context);
 
