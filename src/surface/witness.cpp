@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <mutex>
 
 #include "src/surface/wedges.h"
 
@@ -195,10 +197,32 @@ class PairStudy {
   }
 
   void all_wedges(const Vec& u, const Point& m, PairFinding& out) const {
-    for (const Wedge& wedge : wedges_.around(u, m)) {
-      if (!out.lowest || wedge.winding < out.lowest->winding) out.lowest = wedge;
-      out.add(wedge.winding, wedge.winding);
+    const PairFinding here = seen_around(u, m);
+    if (!here.seen) return;
+    if (!out.lowest || here.lowest->winding < out.lowest->winding) out.lowest = here.lowest;
+    out.add(here.min, here.max);
+  }
+
+  // Where faces coincide many pairs ask about the same place.
+  PairFinding seen_around(const Vec& u, const Point& m) const {
+    int axis = 0;
+    while (exact::sign(u[axis]) == 0) ++axis;
+    const Place place{m.x, (1 / u[axis]) * u};
+    std::vector<std::pair<Place, PairFinding>>* places;
+    {
+      const std::scoped_lock lock(places_mutex_);
+      places = &places_[m.near];
+      for (const auto& [known, finding] : *places)
+        if (exact::is_zero(known.m - place.m) && exact::is_zero(known.u - place.u)) return finding;
     }
+    PairFinding finding;
+    for (const Wedge& wedge : wedges_.around(place.u, m)) {
+      if (!finding.lowest || wedge.winding < finding.lowest->winding) finding.lowest = wedge;
+      finding.add(wedge.winding, wedge.winding);
+    }
+    const std::scoped_lock lock(places_mutex_);
+    places->emplace_back(place, finding);  // another thread may have done the same: it is the same
+    return finding;
   }
 
   // Coplanar faces: the curve is the outline of their common part. All pieces of the edges of each face
@@ -257,9 +281,16 @@ class PairStudy {
     out.touches = !any;
   }
 
+  struct Place {
+    Vec m, u;  // a point and the line through it
+  };
+
   const Rays& rays_;
   const Partners& partners_;
   const Wedges wedges_;
+  mutable std::mutex places_mutex_;
+  mutable std::map<std::array<double, 3>, std::vector<std::pair<Place, PairFinding>>>
+      places_;  // by rounded m
 };
 
 // The point half-way from the wedge's corner to the next crossing, or a little way when there is none.
