@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "kernels/parallel/counts.h"
 #include "kernels/parallel/grouping.h"
 #include "kernels/predicates/predicates.h"
 
@@ -186,6 +187,7 @@ std::vector<FacePair> find_self_intersections(const VertexMatrix& V, const Trian
   const auto visit = [&](Index p, Index q, std::vector<FacePair>& out) {
     if (share(corners[p], corners[q])) return;
     const Index f = std::min(order[p], order[q]), g = std::max(order[p], order[q]);
+    count(Count::tested_pairs);
     if (faces_intersect(points, faces + 3 * std::int64_t{f}, faces + 3 * std::int64_t{g}))
       out.emplace_back(f, g);
   };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "kernels/parallel/counts.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/predicates/predicates.h"
 
@@ -261,20 +262,20 @@ void ContactMesh::remember(const VertexMatrix& X) {
 std::vector<Contact> ContactMesh::find_contacts(const VertexMatrix& X) {
   if (!remembered(X)) remember(X);
   ++list_uses_;
-  return parallel_collect<Contact>(static_cast<std::int64_t>(list_.size()), kPairGrain,
-                                   [&](std::int64_t begin, std::int64_t end, std::vector<Contact>& out) {
-                                     for (std::int64_t i = begin; i < end; ++i) {
-                                       const Primitive& p = list_[i];
-                                       const double h = mean_edge(p.v, p.kind, h_);
-                                       double dhat = rule_.reach * h;
-                                       if (p.near)
-                                         dhat = std::max(std::min(dhat, rule_.ring_reach * p.rest),
-                                                         rule_.ring_floor * h);
-                                       const Closest closest = closest_points(p.kind, corners(X, p.v));
-                                       if (closest.distance < dhat)
-                                         out.push_back({p.v, p.kind, closest, dhat, h});
-                                     }
-                                   });
+  auto found = parallel_collect<Contact>(
+      static_cast<std::int64_t>(list_.size()), kPairGrain,
+      [&](std::int64_t begin, std::int64_t end, std::vector<Contact>& out) {
+        for (std::int64_t i = begin; i < end; ++i) {
+          const Primitive& p = list_[i];
+          const double h = mean_edge(p.v, p.kind, h_);
+          double dhat = rule_.reach * h;
+          if (p.near) dhat = std::max(std::min(dhat, rule_.ring_reach * p.rest), rule_.ring_floor * h);
+          const Closest closest = closest_points(p.kind, corners(X, p.v));
+          if (closest.distance < dhat) out.push_back({p.v, p.kind, closest, dhat, h});
+        }
+      });
+  count(Count::contacts, static_cast<std::int64_t>(found.size()));
+  return found;
 }
 
 std::vector<IndexPair> ContactMesh::intersections(const VertexMatrix& X) {

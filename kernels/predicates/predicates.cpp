@@ -5,6 +5,8 @@
 #include <bit>
 #include <cstdint>
 
+#include "kernels/parallel/counts.h"
+
 namespace overtet {
 
 namespace {
@@ -279,6 +281,7 @@ int orient3d_slow(const double* a, const double* b, const double* c, const doubl
       if (det < -bound) return -1;
     }
   }
+  count(Count::exact_evaluations);
   // Whole numbers, where the coordinates along each axis are of similar size: several times as fast as
   // expansions.
   std::int64_t at[3][4];
@@ -309,6 +312,7 @@ int orient3d_slow(const double* a, const double* b, const double* c, const doubl
 }
 
 int orient2d_slow(double ax, double ay, double bx, double by, double cx, double cy) {
+  count(Count::exact_evaluations);
   std::int64_t x[3], y[3];
   if (whole({ax, bx, cx}, x) && whole({ay, by, cy}, y)) {
     const Wide det =

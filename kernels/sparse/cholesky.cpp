@@ -7,6 +7,8 @@
 #include <mutex>
 #include <vector>
 
+#include "kernels/parallel/counts.h"
+
 namespace overtet {
 
 namespace {
@@ -119,6 +121,8 @@ bool SparseCholesky::factor(const SymmetricMatrix& A) {
     cholmod_sparse s = view(A);
     if (!cholmod_factorize(&s, m.L, &m.common) || m.common.status != CHOLMOD_OK) return false;
     if (m.L->minor < static_cast<std::size_t>(m.rows)) return false;
+    count(Count::factorisations);
+    count(Count::factor_nonzeros, static_cast<std::int64_t>(m.common.lnz));
   }
   m.factored = true;
   return true;

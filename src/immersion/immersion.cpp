@@ -74,6 +74,9 @@ Result<ImmersionResult> attempt(const Surface& surface, const std::vector<FacePa
   Result<TetgenResult> tets = tetrahedralize_stubbornly(plc, tetgen, context);
   if (!tets) return tets.error();
   out.tet_mesh_seconds = watch.lap();
+  out.steiner_points = static_cast<Index>(tets.value().V.rows() - plc.V.rows());
+  out.missing_facets = tets.value().missing_facets;
+  out.tetgen_facets = tets.value().tetgen_facets;
 
   context.report("immersion", 0.6, "sheets");
   Result<Sheets> sheets = assign_sheets(surface, out.arrangement, tets.value(), wound, context);

@@ -39,7 +39,9 @@ struct ImmersionResult {
   Index cells = 0, regions = 0, constraints = 0;
   Index winding_max = 0;
   std::int64_t search_nodes = 0;
-  Index boundary_points = 0;  // moved inside
+  Index steiner_points = 0;  // that the mesh of the cells has beside those of the arrangement
+  Index missing_facets = 0, tetgen_facets = 0;  // src/tetgen/tetgen.h
+  Index boundary_points = 0;                    // moved inside
   Index refined_edges = 0;
   double smallest_clearance = 0;
   double arrangement_seconds = 0, tet_mesh_seconds = 0, sheets_seconds = 0, boundary_seconds = 0;

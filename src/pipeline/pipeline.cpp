@@ -259,6 +259,12 @@ Result<TetMesh> Run::mesh_immersed() {
                       {"tets", std::int64_t{x.mesh.T.rows()}},
                       {"arrangement_seconds", x.arrangement_seconds},
                       {"tet_mesh_seconds", x.tet_mesh_seconds},
+                      {"facets", std::int64_t{x.arrangement.F.rows()}},
+                      {"points", std::int64_t{x.arrangement.V.rows()}},
+                      {"rounds", std::int64_t{x.arrangement.rounds}},
+                      {"missing_facets", std::int64_t{x.missing_facets}},
+                      {"tetgen_facets", std::int64_t{x.tetgen_facets}},
+                      {"steiner_points", std::int64_t{x.steiner_points}},
                       {"sheets_seconds", x.sheets_seconds},
                       {"boundary_seconds", x.boundary_seconds}};
     return std::move(r.value().mesh);

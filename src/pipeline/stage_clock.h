@@ -1,8 +1,11 @@
 // Runs one stage and writes down what it took. Internal to src/pipeline.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <vector>
 
+#include "kernels/parallel/counts.h"
 #include "overtet/run_context.h"
 #include "src/report/report.h"
 
@@ -10,17 +13,26 @@ namespace overtet {
 
 double cpu_seconds();  // of this process and its children that have ended
 
+// What the kernels have counted so far, and what of it is new since then, as figures.
+struct KernelCounts {
+  std::array<std::int64_t, kCounts> values{};
+  static KernelCounts now();
+  void add_since(const KernelCounts& before, std::vector<Figure>& figures) const;
+};
+
 // f(record) returns a Result. A stage that is tried twice leaves two records.
 template <class F>
 auto timed_stage(const char* name, std::vector<StageRecord>& records, const RunContext& context, F&& f) {
   context.report(name, 0);
   const auto start = RunContext::Clock::now();
   const double cpu = cpu_seconds();
+  const KernelCounts counts = KernelCounts::now();
   StageRecord record;
   record.name = name;
   auto outcome = f(record);
   record.seconds = std::chrono::duration<double>(RunContext::Clock::now() - start).count();
   record.cpu_seconds = cpu_seconds() - cpu;
+  KernelCounts::now().add_since(counts, record.figures);
   if (!outcome.ok()) record.figures.emplace_back("error", outcome.error().message);
   records.push_back(std::move(record));
   return outcome;

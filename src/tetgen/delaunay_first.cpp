@@ -100,6 +100,7 @@ class DelaunayFirst {
     std::iota(source_.begin(), source_.end(), 0);
 
     match_facets();
+    missing_at_first_ = static_cast<Index>(missing_.size());
     if (static_cast<double>(missing_.size()) > options_.most_missing * static_cast<double>(facets_.size()))
       return unsolved("Too many facets are no faces of Delaunay tets.");
     cavity_of_.assign(tet_.size(), -1);
@@ -116,6 +117,8 @@ class DelaunayFirst {
     Result<TetgenResult> out = collect();
     if (out) {
       out.value().seconds = std::chrono::duration<double>(RunContext::Clock::now() - begin).count();
+      out.value().missing_facets = missing_at_first_;
+      out.value().tetgen_facets = tetgen_facets_;
       out.value().peak_rss_bytes = peak_of_children_;
     }
     return out;
@@ -462,6 +465,7 @@ class DelaunayFirst {
   std::vector<std::pair<Index, Index>> crossed_;  // tet, missing facet; by facet
   std::vector<Cavity> cavities_;
   std::vector<Eigen::Vector3d> added_points_;
+  Index missing_at_first_ = 0, tetgen_facets_ = 0;
   std::size_t peak_of_children_ = 0;
 };
 
@@ -649,6 +653,7 @@ void DelaunayFirst::put_in(const Piece& piece) {
   replace(piece.walls, facets, tets);
   for (const Index c : piece.cavities)
     for (const Index t : cavities_[c].tets) replaced_[t] = 1;
+  tetgen_facets_ += r.tetgen_facets;
   peak_of_children_ = std::max(peak_of_children_, r.peak_rss_bytes);
 }
 

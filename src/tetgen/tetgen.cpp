@@ -381,6 +381,7 @@ Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options
     }
     if (!same) return unsolved("TetGen could not keep every facet whole.");
   }
+  result.tetgen_facets = static_cast<Index>(plc.F.rows());
   result.seconds = std::chrono::duration<double>(RunContext::Clock::now() - begin).count();
   result.peak_rss_bytes = static_cast<std::size_t>(child.usage().ru_maxrss) * 1024;
   return result;

@@ -40,6 +40,8 @@ struct TetgenResult {
   TriangleMatrix facets;             // subfaces of the input facets
   std::vector<Index> facet_markers;  // #facets
   std::vector<Index> facet_sources;  // #facets; the row of Plc::F that each is part of
+  Index missing_facets = 0;          // with Delaunay tets first: no faces of these
+  Index tetgen_facets = 0;           // that TetGen has worked on, walls of cavities included
   double seconds = 0;                // wall time of the child
   std::size_t peak_rss_bytes = 0;    // of the child
 };
