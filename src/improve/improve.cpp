@@ -1,6 +1,7 @@
 #include "src/improve/improve.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numeric>
 
@@ -14,24 +15,35 @@ namespace overtet {
 
 namespace {
 
-constexpr int kMostParts = 64;  // enough for many threads; every cut costs a little
-// What lies around a cut: so many layers of tets.
+constexpr int kMostParts = 256;  // enough for many threads; every cut costs a little
+// Refinement makes do with two: where nothing is inside yet, tets reach from one side to the other, and what
+// more cuts leave in between costs more than they save.
+constexpr int kRefineParts = 2;
+// What lies around a place: so many layers of tets. Vertices with more tets than this do not spread it.
 constexpr int kLayers = 2;
-// Part of the target angle below which tets are looked at once more, after the parts, all together.
-constexpr double kSecondLook = 0.4;
+constexpr int kLargestStar = 80;
+// The next round around cuts is the last one when it has more than this part of the tets of the one before.
+constexpr double kShrinks = 0.75;
+// Tets below this part of the target angle are looked at once more after the cuts, with all that is around
+// them. Those within a factor of the very worst are after that, by all means, as long as that lifts it.
+constexpr double kLookAgain = 0.5;
+constexpr double kWorstOfAll = 1.5;
+constexpr double kLookPays = 1.05;
+constexpr int kMostLooks = 8;
+constexpr std::int64_t kTetsPerLook = 2000;  // in a part, at least
 // Refinement may at most multiply the tets by this.
 constexpr std::int64_t kRefinedGrowth = 5;
-// Circumradii over the diagonal divided by this and by the cube root of the number of parts are large.
-constexpr double kLargeTets = 80;
 // Below this smallest dihedral sine (3 degrees) vertices inside are taken out where that helps.
 constexpr double kLooseQuality = 0.05;
+constexpr std::int64_t kGrain = 4096;  // tets
 
-int parts_for(std::size_t tets, const ImproveOptions& options) {
+int parts_for(std::size_t tets, std::int64_t tets_per_part) {
   int parts = 1;
-  while (parts < kMostParts && static_cast<std::int64_t>(tets) / (2 * parts) >= options.tets_per_part)
-    parts *= 2;
+  while (parts < kMostParts && static_cast<std::int64_t>(tets) / (2 * parts) >= tets_per_part) parts *= 2;
   return parts;
 }
+
+enum class Work { refine, passes, both, look };
 
 struct PartResult {
   std::int64_t refined = 0;
@@ -39,46 +51,61 @@ struct PartResult {
 };
 
 // loose: of the whole mesh's vertices, see refine().
-PartResult improve_part(MeshPart& part, std::span<const char> loose, const ImproveOptions& options,
+PartResult improve_part(MeshPart& part, Work what, std::span<const char> loose, const ImproveOptions& options,
                         double seconds, const RunContext& context) {
   PartResult result;
   LocalOperations work(part.complex);
   part.mark_shared(work);
-  if (options.radius_edge > 0) {
+  if ((what == Work::refine || what == Work::both) && options.radius_edge > 0) {
     std::vector<char> here;
     for (const Index v : part.vertex) here.push_back(loose[v]);
     contract_loose(work, here, kLooseQuality, context);
     result.refined =
-        refine(work, options.radius_edge, 0, here, kRefinedGrowth * part.complex.tet_count() + 1000, context);
+        refine(work, options.radius_edge, here, kRefinedGrowth * part.complex.tet_count() + 1000, context);
   }
-  result.passes = improve_passes(work, options, seconds, context);
+  if (what != Work::refine)
+    result.passes = improve_passes(work, options, what == Work::look, seconds, context);
   return result;
 }
 
-// Where nothing is inside yet, tets reach from one side to the other, and every cut is long. So large tets
-// are refined before the mesh is cut; a few vertices are enough.
-std::int64_t refine_large(TetMesh& mesh, std::vector<char>& loose, const ImproveOptions& options, int parts,
-                          const RunContext& context) {
-  const double diagonal = (mesh.V.colwise().maxCoeff() - mesh.V.colwise().minCoeff()).norm();
-  TetComplex complex(mesh.V, mesh.T);
-  LocalOperations work(complex);
-  const std::int64_t inserted = refine(work, options.radius_edge, diagonal / (kLargeTets * std::cbrt(parts)),
-                                       loose, kRefinedGrowth * complex.tet_count(), context);
-  mesh = complex.to_mesh(mesh.surface_vertices);
-  loose.resize(static_cast<std::size_t>(mesh.V.rows()), 0);
-  return inserted;
+// Several threads may mark the same vertex.
+void mark(char& c) { std::atomic_ref(c).store(1, std::memory_order_relaxed); }
+
+// Marks the corners of the tets that are `bad`.
+template <class Bad>
+std::vector<char> corners_of(const TetMesh& mesh, Bad&& bad) {
+  std::vector<char> marked(static_cast<std::size_t>(mesh.V.rows()), 0);
+  parallel_for(mesh.T.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+    for (Index t = static_cast<Index>(begin); t < end; ++t)
+      if (bad(t))
+        for (int k = 0; k < 4; ++k) mark(marked[mesh.T(t, k)]);
+  });
+  return marked;
 }
 
 // The tets within kLayers layers around some vertices.
 std::vector<Index> around(const TetMesh& mesh, std::vector<char> near) {
+  std::vector<int> star(near.size(), 0);
+  parallel_for(mesh.T.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t t = begin; t < end; ++t)
+      for (int k = 0; k < 4; ++k) std::atomic_ref(star[mesh.T(t, k)]).fetch_add(1, std::memory_order_relaxed);
+  });
+  for (std::size_t v = 0; v < near.size(); ++v)
+    if (star[v] > kLargestStar) near[v] = 0;
   std::vector<char> chosen(static_cast<std::size_t>(mesh.T.rows()), 0);
   for (int layer = 0; layer < kLayers; ++layer) {
-    for (Index t = 0; t < mesh.T.rows(); ++t)
-      for (int k = 0; k < 4; ++k)
-        if (near[mesh.T(t, k)]) chosen[t] = 1;
-    for (Index t = 0; t < mesh.T.rows(); ++t)
-      if (chosen[t])
-        for (int k = 0; k < 4; ++k) near[mesh.T(t, k)] = 1;
+    parallel_for(mesh.T.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+      for (std::int64_t t = begin; t < end; ++t)
+        for (int k = 0; k < 4; ++k)
+          if (near[mesh.T(t, k)]) chosen[t] = 1;
+    });
+    if (layer + 1 < kLayers)
+      parallel_for(mesh.T.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+        for (std::int64_t t = begin; t < end; ++t)
+          if (chosen[t])
+            for (int k = 0; k < 4; ++k)
+              if (const Index v = mesh.T(t, k); star[v] <= kLargestStar) mark(near[v]);
+      });
   }
   std::vector<Index> tets;
   for (Index t = 0; t < mesh.T.rows(); ++t)
@@ -86,16 +113,59 @@ std::vector<Index> around(const TetMesh& mesh, std::vector<char> near) {
   return tets;
 }
 
-// Marks the corners of tets with a dihedral sine below that of `degrees`.
-std::vector<char> corners_of_worst(const TetMesh& mesh, double degrees) {
-  const double sine = std::sin(degrees * M_PI / 180);
-  std::vector<char> marked(static_cast<std::size_t>(mesh.V.rows()), 0);
-  for (Index t = 0; t < mesh.T.rows(); ++t) {
-    const auto p = [&](int k) { return Eigen::Vector3d(mesh.V.row(mesh.T(t, k))); };
-    if (min_dihedral_sine(p(0), p(1), p(2), p(3)) < sine)
-      for (int k = 0; k < 4; ++k) marked[mesh.T(t, k)] = 1;
+double quality(const TetMesh& mesh, Index t) {
+  return min_dihedral_sine(mesh.V.row(mesh.T(t, 0)), mesh.V.row(mesh.T(t, 1)), mesh.V.row(mesh.T(t, 2)),
+                           mesh.V.row(mesh.T(t, 3)));
+}
+
+double radius_edge(const TetMesh& mesh, Index t) {
+  return std::sqrt(squared_radius_edge(mesh.V.row(mesh.T(t, 0)), mesh.V.row(mesh.T(t, 1)),
+                                       mesh.V.row(mesh.T(t, 2)), mesh.V.row(mesh.T(t, 3))));
+}
+
+double sine_of(double degrees) { return std::sin(degrees * M_PI / 180); }
+
+double worst_quality(const TetMesh& mesh) {
+  return parallel_reduce(
+      mesh.T.rows(), kGrain, 1.0,
+      [&](std::int64_t begin, std::int64_t end) {
+        double worst = 1;
+        for (Index t = static_cast<Index>(begin); t < end; ++t) worst = std::min(worst, quality(mesh, t));
+        return worst;
+      },
+      [](double x, double y) { return std::min(x, y); });
+}
+
+// Corners of the tets at shared vertices that are still to be worked on.
+std::vector<char> unfinished(const TetMesh& mesh, std::span<const char> shared, Work what,
+                             const ImproveOptions& options) {
+  const double target = sine_of(options.target_degrees);
+  return corners_of(mesh, [&](Index t) {
+    bool at_cut = false;
+    for (int k = 0; k < 4; ++k) at_cut = at_cut || shared[mesh.T(t, k)];
+    return at_cut &&
+           (what == Work::refine ? radius_edge(mesh, t) > options.radius_edge : quality(mesh, t) < target);
+  });
+}
+
+// As halve(), but tets with a common vertex are in the same part.
+std::vector<int> in_pieces(const TetMesh& mesh, std::span<const Index> chosen, int parts) {
+  std::vector<int> part_of = halve(mesh, chosen, parts);
+  std::vector<Index> up(static_cast<std::size_t>(mesh.V.rows()));
+  std::iota(up.begin(), up.end(), 0);
+  const auto root = [&](Index v) {
+    while (up[v] != v) v = up[v] = up[up[v]];
+    return v;
+  };
+  for (const Index t : chosen)
+    for (int k = 1; k < 4; ++k) up[root(mesh.T(t, k))] = root(mesh.T(t, 0));
+  std::vector<int> part(up.size(), -1);  // of a piece, by its root: the part of its first tet
+  for (const Index t : chosen) {
+    int& p = part[root(mesh.T(t, 0))];
+    if (p < 0) p = part_of[t];
+    part_of[t] = p;
   }
-  return marked;
+  return part_of;
 }
 
 void add(ImproveResult& sum, const PartResult& part, std::size_t first_pass) {
@@ -149,29 +219,17 @@ Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, cons
   result.before = dihedral_statistics(mesh.V, mesh.T);
   std::vector<char> loose(static_cast<std::size_t>(mesh.V.rows()), 1);  // the inside's, as given
   std::fill(loose.begin(), loose.begin() + mesh.surface_vertices, 0);
-  if (const int parts = parts_for(static_cast<std::size_t>(mesh.T.rows()), options);
-      parts > 1 && options.radius_edge > 0)
-    result.refined = refine_large(mesh, loose, options, parts, silent);
-  std::vector<Index> chosen(static_cast<std::size_t>(mesh.T.rows()));
-  std::iota(chosen.begin(), chosen.end(), 0);
-  std::size_t before = 2 * chosen.size();
-  bool second_look = false;
-  while (!chosen.empty()) {
-    // Where parts are so small that the cuts are everywhere, the second round is in one piece.
-    const int count = !second_look && chosen.size() <= before / 2 ? parts_for(chosen.size(), options) : 1;
-    before = chosen.size();
+
+  // One round: all parts at the same time. Returns the vertices that several parts shared.
+  const auto round = [&](Work what, const std::vector<int>& part_of, int count) {
     const std::size_t first_pass = result.passes.size();
-    const std::vector<int> part_of = halve(mesh, chosen, count);
     std::vector<MeshPart> parts = take_parts(mesh, part_of, count);
     std::vector<PartResult> results(parts.size());
-    context.report("improve", result.rounds.empty() ? 0 : 0.8,
-                   std::to_string(chosen.size()) + " tets in " + std::to_string(count) + " parts");
     const double seconds = std::max(0.0, budget - since_begin());
     parallel_for(count, 1, [&](std::int64_t first, std::int64_t last) {
       for (std::int64_t p = first; p < last; ++p)
-        results[p] = improve_part(parts[p], loose, options, seconds, silent);
+        results[p] = improve_part(parts[p], what, loose, options, seconds, silent);
     });
-    if (context.cancel && context.stop()) return *context.stop();
     for (const PartResult& part : results) add(result, part, first_pass);
     result.rounds.push_back(count);
     std::vector<char> times_shared(static_cast<std::size_t>(mesh.V.rows()), 0);
@@ -179,21 +237,55 @@ Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, cons
       for (const Index v : part.shared)
         if (char& times = times_shared[part.vertex[v]]; times < 2) ++times;
     const std::vector<Index> number = put_parts(mesh, part_of, parts);
-    std::vector<char> near(static_cast<std::size_t>(mesh.V.rows()), 0), still_loose(near.size(), 0);
+    std::vector<char> shared(static_cast<std::size_t>(mesh.V.rows()), 0), still_loose(shared.size(), 0);
     for (std::size_t v = 0; v < number.size(); ++v) {
       if (number[v] < 0) continue;
-      near[number[v]] = times_shared[v] > 1;
+      shared[number[v]] = times_shared[v] > 1;
       still_loose[number[v]] = loose[v];
     }
     loose = std::move(still_loose);
-    if (count == 1) {
-      if (result.rounds.front() == 1 || second_look) break;
-      // What cuts left unfinished, once more with all that is around it.
-      second_look = true;
-      near = corners_of_worst(mesh, kSecondLook * options.target_degrees);
+    return shared;
+  };
+  // All tets, then what is unfinished around the cuts, until that is in one part. most_parts: in a round.
+  const auto rounds = [&](Work what, int most_parts) {
+    std::vector<Index> chosen(static_cast<std::size_t>(mesh.T.rows()));
+    std::iota(chosen.begin(), chosen.end(), 0);
+    while (!chosen.empty()) {
+      const int count = std::min(most_parts, parts_for(chosen.size(), options.tets_per_part));
+      context.report("improve",
+                     what == Work::refine       ? 0
+                     : result.rounds.size() < 3 ? 0.3
+                                                : 0.8,
+                     std::to_string(chosen.size()) + " tets in " + std::to_string(count) + " parts");
+      const std::vector<char> shared = round(what, halve(mesh, chosen, count), count);
+      if (count == 1 || context.stop()) return;
+      const auto before = static_cast<double>(chosen.size());
+      chosen = around(mesh, unfinished(mesh, shared, what, options));
+      if (static_cast<double>(chosen.size()) > kShrinks * before) return;
+      if (what == Work::refine) most_parts = 1;
     }
-    chosen = around(mesh, std::move(near));
+  };
+  const bool cut = parts_for(static_cast<std::size_t>(mesh.T.rows()), options.tets_per_part) > 1;
+  if (cut && options.radius_edge > 0) rounds(Work::refine, kRefineParts);
+  rounds(cut ? Work::passes : Work::both, kMostParts);
+
+  // Bad tets wherever they are, with all that is around them.
+  const auto look_at = [&](Work what, double sine) {
+    const std::vector<Index> chosen =
+        around(mesh, corners_of(mesh, [&](Index t) { return quality(mesh, t) < sine; }));
+    const int count = parts_for(chosen.size(), kTetsPerLook);
+    if (!chosen.empty() && !context.stop()) round(what, in_pieces(mesh, chosen, count), count);
+  };
+  if (cut) look_at(Work::passes, sine_of(kLookAgain * options.target_degrees));
+  double worst = worst_quality(mesh);
+  const double target = sine_of(options.target_degrees);
+  for (int look = 0; look < kMostLooks && worst < target; ++look) {
+    look_at(Work::look, std::min(target, kWorstOfAll * worst));
+    const double before = worst;
+    worst = worst_quality(mesh);
+    if (!(worst > kLookPays * before)) break;
   }
+  if (context.cancel && context.stop()) return *context.stop();
   result.after = dihedral_statistics(mesh.V, mesh.T);
   result.seconds = since_begin();
   return result;

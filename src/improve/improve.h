@@ -10,10 +10,11 @@
 // they are, every tet stays exactly positive, interior edges keep their one turn, also at each moment in
 // between: the mesh is valid whenever this stops.
 //
-// A large mesh is cut into parts (src/tet_complex/parts.h) that are worked on at the same time; then what
-// lies around the cuts is, in parts of its own, until there is one part only. How many parts depends on the
-// number of tets, not on that of threads: same mesh and options, same result. (Only a time limit can break
-// this.)
+// A large mesh is cut into parts (src/tet_complex/parts.h) that are worked on at the same time; then what is
+// left around the cuts is, in fewer parts, and so on: first the refinement of all, then the passes. Last,
+// the worst tets that are left are looked at with all that is around them, piece by piece, by the dearest
+// means. How many parts depends on the number of tets, not on that of threads: same mesh and options, same
+// result. (Only a time limit can break this.)
 #pragma once
 
 #include <vector>
@@ -58,7 +59,7 @@ struct ImproveResult {
   std::int64_t refined = 0;  // vertices that refinement inserted
   std::vector<ImprovePass>
       passes;               // of all parts together: the n-th passes of a round of parts in one record
-  std::vector<int> rounds;  // the number of parts in each round
+  std::vector<int> rounds;  // the number of parts in each round, of refinement, passes and looks
   double seconds = 0;
 };
 

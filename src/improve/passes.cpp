@@ -18,8 +18,10 @@ constexpr int kExtraPassesForThin = 40;
 constexpr int kIdlePasses = 3;
 constexpr std::int64_t kIdlePart = 10;
 // Smoothing that gains less, and insertions that gain less, cost more time and tets than they are worth.
-constexpr double kSmoothGain = 1.05;
-constexpr double kInsertGain = 1.2;
+struct Gains {
+  double smooth, insert;
+};
+constexpr Gains kPays{1.05, 1.2}, kAny{1.001, 1.001};
 
 struct Bad {
   double quality;
@@ -29,8 +31,9 @@ struct Bad {
 
 }  // namespace
 
-PassesResult improve_passes(LocalOperations& work, const ImproveOptions& options, double seconds,
-                            const RunContext& context) {
+PassesResult improve_passes(LocalOperations& work, const ImproveOptions& options, bool by_all_means,
+                            double seconds, const RunContext& context) {
+  const Gains gains = by_all_means ? kAny : kPays;
   const auto begin = RunContext::Clock::now();
   const auto since = [](RunContext::Clock::time_point t) {
     return std::chrono::duration<double>(RunContext::Clock::now() - t).count();
@@ -70,12 +73,16 @@ PassesResult improve_passes(LocalOperations& work, const ImproveOptions& options
     });
     return bad;
   };
+  // What touches a cut is worked on with more around it in the next round; here it gets the cheap means only.
+  const auto at_cut = [&](const TetComplex::Tet& c) {
+    return std::any_of(c.begin(), c.end(), [&](Index v) { return work.shared(v); });
+  };
   const auto still = [&](const Bad& b) {
     return mesh.alive(b.tet) && mesh.tet(b.tet) == b.corners && work.quality(b.tet) < target;
   };
 
   static constexpr int kEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
-  bool strong = false;  // collapses and insertions as well
+  bool strong = by_all_means;  // collapses and insertions as well
   std::int64_t weight_before = -1;
   int extra = 0, idle = 0;
   double worst_before = 0;
@@ -130,11 +137,11 @@ PassesResult improve_passes(LocalOperations& work, const ImproveOptions& options
           ++record.flips;
           done = touch();
         }
-      if (done) continue;
+      if (done || at_cut(c)) continue;
       for (const Index v : c) {
         if (!still(b)) break;
         if (v < static_cast<Index>(rested.size()) && rested[v] >= touched[v]) continue;
-        if (work.smooth(v, kSmoothGain)) {
+        if (work.smooth(v, gains.smooth)) {
           ++record.smoothed;
           touch();
         } else {
@@ -153,8 +160,8 @@ PassesResult improve_passes(LocalOperations& work, const ImproveOptions& options
         if (!done && strong && options.insert_vertices && work.quality(b.tet) < insert_below &&
             mesh.tet_count() < most_tets) {
           for (const auto& e : kEdges)
-            if (!done && work.insert_at_edge(b.tet, c[e[0]], c[e[1]], kInsertGain)) done = true;
-          if (!done) done = work.insert_at_tet(b.tet, kInsertGain);
+            if (!done && work.insert_at_edge(b.tet, c[e[0]], c[e[1]], gains.insert)) done = true;
+          if (!done) done = work.insert_at_tet(b.tet, gains.insert);
           if (done) {
             ++record.inserted;
             touch();

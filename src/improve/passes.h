@@ -13,8 +13,9 @@ struct PassesResult {
   std::vector<ImprovePass> passes;
 };
 
-// For at most `seconds`; time_over also when the context says stop.
-PassesResult improve_passes(LocalOperations& work, const ImproveOptions& options, double seconds,
-                            const RunContext& context);
+// by_all_means: dear ones from the beginning, for any gain. For at most `seconds`; time_over also when the
+// context says stop.
+PassesResult improve_passes(LocalOperations& work, const ImproveOptions& options, bool by_all_means,
+                            double seconds, const RunContext& context);
 
 }  // namespace overtet

@@ -20,8 +20,8 @@ struct Bad {
 
 }  // namespace
 
-std::int64_t refine(LocalOperations& work, double radius_edge, double least_radius,
-                    std::span<const char> loose, std::int64_t most_tets, const RunContext& context) {
+std::int64_t refine(LocalOperations& work, double radius_edge, std::span<const char> loose,
+                    std::int64_t most_tets, const RunContext& context) {
   const TetComplex& mesh = work.mesh();
   std::vector<char> hopeless(mesh.tet_capacity(), 0);  // tried in vain
   std::int64_t all = 0;
@@ -33,9 +33,7 @@ std::int64_t refine(LocalOperations& work, double radius_edge, double least_radi
       const auto& c = mesh.tet(t);
       if (std::any_of(c.begin(), c.end(), is_loose)) continue;
       const double ratio = work.squared_radius_edge(t);
-      if (ratio > radius_edge * radius_edge &&
-          work.circumsphere(t).squared_radius >= least_radius * least_radius)
-        bad.push_back({ratio, t, c});
+      if (ratio > radius_edge * radius_edge) bad.push_back({ratio, t, c});
     }
     std::sort(bad.begin(), bad.end(), [](const Bad& x, const Bad& y) {
       return x.ratio != y.ratio ? x.ratio > y.ratio : x.tet < y.tet;

@@ -11,14 +11,14 @@
 
 namespace overtet {
 
-// Every tet whose circumradius is more than radius_edge times its shortest edge, and at least least_radius,
+// Every tet whose circumradius is more than radius_edge times its shortest edge
 // gets its circumcentre inserted where that is possible; also those that come into being, worst first, until
 // hardly any is left or the mesh has `most_tets`. Tets at a vertex for which `loose` holds (others are beyond
 // its end) are left alone: its short edges are to be collapsed, not graded to. Ends because no vertex comes
 // nearer to another one than the shortest edge of the tet it mends, and radius_edge > 1. Stops early when
 // `context` says so. Returns the number of vertices inserted.
-std::int64_t refine(LocalOperations& work, double radius_edge, double least_radius,
-                    std::span<const char> loose, std::int64_t most_tets, const RunContext& context);
+std::int64_t refine(LocalOperations& work, double radius_edge, std::span<const char> loose,
+                    std::int64_t most_tets, const RunContext& context);
 
 // Contracts edges from loose vertices with tets of a smallest dihedral sine below `bad` to where all tets get
 // better, the shortest edge first. Returns how many.

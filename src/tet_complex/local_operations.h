@@ -28,6 +28,10 @@
 
 namespace overtet {
 
+// Squares of a tet's circumradius over its shortest edge; rounded, not finite for tets that are too flat.
+double squared_radius_edge(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
+                           const Eigen::Vector3d& d);
+
 class LocalOperations {
  public:
   // Works on `mesh`, which must stay alive and must not be changed by others meanwhile.
@@ -42,6 +46,7 @@ class LocalOperations {
   // shared vertices that was not there, so that it cannot be there twice in the whole. With `pinched` (tets
   // of this complex around v, or around an edge of it, hang together outside only) no edge to v either.
   void share(Index v, bool pinched);
+  bool shared(Index v) const { return v < static_cast<Index>(shared_.size()) && shared_[v] != 0; }
   // New or changed tets of the last operation that returned true.
   const std::vector<Index>& changed() const { return changed_; }
   // When false, no operation makes an interior edge between two fixed vertices. Default: allowed.
@@ -120,6 +125,7 @@ class LocalOperations {
   double optimise(Eigen::Vector3d& x, double q, int rounds);
   // Replaces the cavity (grown first) by a new vertex that sees its faces; starts looking at `start`.
   bool insert(Tets& cavity, const Eigen::Vector3d& start, double gain);
+  bool seen_once(const Eigen::Vector3d& x) const;           // hull_ from x, which sees all of its faces
   bool fill(const Tets& cavity, const Eigen::Vector3d& x);  // tets from hull_ to a new vertex; pre: x sees it
   bool hull_of(const Tets& cavity, std::vector<Face>& hull);  // false: not a ball with free inside vertices
   bool star_of_free(Index v);                                 // star_ and faces_; false when v is fixed

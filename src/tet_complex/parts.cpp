@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numeric>
 #include <tuple>
 
@@ -20,6 +21,31 @@ struct Centre {
 struct EdgeAt {
   Index a, b, tet;
 };
+
+// Along a curve that fills space (Morton's), in the box of all.
+void sort_by_place(const TetMesh& mesh, std::vector<Index>& tets) {
+  constexpr int kBits = 10;
+  Eigen::RowVector3d low = Eigen::RowVector3d::Constant(HUGE_VAL), high = -low;
+  for (const Index t : tets) {
+    low = low.cwiseMin(mesh.V.row(mesh.T(t, 0)));
+    high = high.cwiseMax(mesh.V.row(mesh.T(t, 0)));
+  }
+  const double size = (high - low).maxCoeff();
+  const double scale = size > 0 ? ((1 << kBits) - 1) / size : 0;
+  std::vector<std::pair<std::uint32_t, Index>> keys;
+  keys.reserve(tets.size());
+  for (const Index t : tets) {
+    const Eigen::RowVector3d at = (mesh.V.row(mesh.T(t, 0)) - low) * scale;
+    std::uint32_t key = 0;
+    for (int k = 0; k < 3; ++k) {
+      const auto x = static_cast<std::uint32_t>(at[k]);
+      for (int bit = 0; bit < kBits; ++bit) key |= (x >> bit & 1) << (3 * bit + k);
+    }
+    keys.emplace_back(key, t);
+  }
+  std::sort(keys.begin(), keys.end());
+  for (std::size_t i = 0; i < tets.size(); ++i) tets[i] = keys[i].second;
+}
 
 void find_pinched(MeshPart& part, const std::vector<char>& shared) {
   const TetComplex& c = part.complex;
@@ -113,25 +139,30 @@ std::vector<MeshPart> take_parts(const TetMesh& mesh, std::span<const int> part_
   parallel_for(parts, 1, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t p = begin; p < end; ++p) {
       MeshPart& part = result[p];
+      sort_by_place(mesh, tets[p]);
+      // Numbers in the order of first use: what is near lies near in memory.
+      static thread_local std::vector<Index> local;
+      local.resize(std::max<std::size_t>(local.size(), owner.size()), -1);
       std::vector<Index>& vertex = part.vertex;
-      for (const Index t : tets[p])
-        for (int k = 0; k < 4; ++k) vertex.push_back(mesh.T(t, k));
-      std::sort(vertex.begin(), vertex.end());
-      vertex.erase(std::unique(vertex.begin(), vertex.end()), vertex.end());
-      const auto local = [&](Index v) {
-        return static_cast<Index>(std::lower_bound(vertex.begin(), vertex.end(), v) - vertex.begin());
-      };
-      VertexMatrix V(static_cast<Eigen::Index>(vertex.size()), 3);
       TetMatrix T(static_cast<Eigen::Index>(tets[p].size()), 4);
+      for (std::size_t i = 0; i < tets[p].size(); ++i)
+        for (int k = 0; k < 4; ++k) {
+          Index& v = local[mesh.T(tets[p][i], k)];
+          if (v < 0) {
+            v = static_cast<Index>(vertex.size());
+            vertex.push_back(mesh.T(tets[p][i], k));
+          }
+          T(static_cast<Eigen::Index>(i), k) = v;
+        }
+      VertexMatrix V(static_cast<Eigen::Index>(vertex.size()), 3);
       std::vector<char> shared(vertex.size(), 0);
       for (std::size_t i = 0; i < vertex.size(); ++i) {
+        local[vertex[i]] = -1;
         V.row(static_cast<Eigen::Index>(i)) = mesh.V.row(vertex[i]);
         if (owner[vertex[i]] != kSeveral) continue;
         shared[i] = 1;
         part.shared.push_back(static_cast<Index>(i));
       }
-      for (std::size_t i = 0; i < tets[p].size(); ++i)
-        for (int k = 0; k < 4; ++k) T(static_cast<Eigen::Index>(i), k) = local(mesh.T(tets[p][i], k));
       part.complex = TetComplex(V, T);
       find_pinched(part, shared);
     }

@@ -19,7 +19,7 @@
 namespace overtet {
 
 struct MeshPart {
-  TetComplex complex;
+  TetComplex complex;          // numbered so that what is near in space is near in memory
   std::vector<Index> vertex;   // the mesh's vertex of each of the complex's first vertices
   std::vector<Index> shared;   // of the complex: vertices with tets outside this part
   std::vector<Index> pinched;  // of those: where the part's tets around the vertex, or around one of its

@@ -1,6 +1,7 @@
 #include "src/tet_complex/tet_complex.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <tuple>
 
@@ -38,7 +39,12 @@ void sort3(Index& a, Index& b, Index& c) {
 }
 
 bool same(const auto& x, const auto& y) { return x.a == y.a && x.b == y.b && x.c == y.c; }
-bool before(const auto& x, const auto& y) { return std::tie(x.a, x.b, x.c) < std::tie(y.a, y.b, y.c); }
+
+std::size_t hash(const auto& f) {
+  const auto part = [](Index v, std::uint64_t factor) { return static_cast<std::uint64_t>(v) * factor; };
+  return (part(f.a, 0x9E3779B97F4A7C15u) + part(f.b, 0xC2B2AE3D27D4EB4Fu) + part(f.c, 0x165667B19E3779F9u)) >>
+         24;
+}
 
 }  // namespace
 
@@ -305,14 +311,20 @@ void TetComplex::replace(std::span<const Index> removed, std::span<const Tet> ad
 
   for (const Face& f : outer_)
     if (f.t >= 0) inner_.push_back(f);
-  // Equal faces side by side; which of the two comes first does not matter.
-  std::sort(inner_.begin(), inner_.end(), [](const Face& x, const Face& y) { return before(x, y); });
-  for (std::size_t i = 0; i + 1 < inner_.size(); ++i) {
-    const Face &f = inner_[i], &g = inner_[i + 1];
-    if (!same(f, g)) continue;
+  // Equal faces meet in a table.
+  const std::size_t mask = std::bit_ceil(2 * inner_.size() + 1) - 1;
+  slots_.assign(mask + 1, -1);
+  for (std::size_t i = 0; i < inner_.size(); ++i) {
+    const Face& f = inner_[i];
+    std::size_t at = hash(f) & mask;
+    while (slots_[at] >= 0 && !same(inner_[slots_[at]], f)) at = (at + 1) & mask;
+    if (slots_[at] < 0) {
+      slots_[at] = static_cast<Index>(i);
+      continue;
+    }
+    const Face& g = inner_[slots_[at]];
     next_[f.t][f.k] = g.t;
     next_[g.t][g.k] = f.t;
-    ++i;
   }
 }
 

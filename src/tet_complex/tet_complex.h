@@ -97,6 +97,7 @@ class TetComplex {
   mutable std::uint32_t stamp_ = 0;
   mutable std::vector<Index> scratch_;
   std::vector<Face> outer_, inner_;  // of replace()
+  std::vector<Index> slots_;
 };
 
 }  // namespace overtet
