@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+
+#include "src/improve/bad_tets.h"
 
 namespace overtet {
 
@@ -22,12 +25,6 @@ struct Gains {
   double smooth, insert;
 };
 constexpr Gains kPays{1.05, 1.2}, kAny{1.001, 1.001};
-
-struct Bad {
-  double quality;
-  Index tet;
-  TetComplex::Tet corners;  // to see whether the number has been reused since
-};
 
 }  // namespace
 
@@ -64,22 +61,14 @@ PassesResult improve_passes(LocalOperations& work, const ImproveOptions& options
     return true;
   };
 
-  const auto gather = [&](double below) {
-    std::vector<Bad> bad;
-    for (Index t = 0; t < mesh.tet_capacity(); ++t)
-      if (mesh.alive(t) && work.quality(t) < below) bad.push_back({work.quality(t), t, mesh.tet(t)});
-    std::sort(bad.begin(), bad.end(), [](const Bad& x, const Bad& y) {
-      return x.quality != y.quality ? x.quality < y.quality : x.tet < y.tet;
-    });
-    return bad;
+  const auto rank = [&](Index t) -> std::optional<double> {
+    return work.quality(t) < target ? std::optional(work.quality(t)) : std::nullopt;
   };
   // What touches a cut is worked on with more around it in the next round; here it gets the cheap means only.
   const auto at_cut = [&](const TetComplex::Tet& c) {
     return std::any_of(c.begin(), c.end(), [&](Index v) { return work.shared(v); });
   };
-  const auto still = [&](const Bad& b) {
-    return mesh.alive(b.tet) && mesh.tet(b.tet) == b.corners && work.quality(b.tet) < target;
-  };
+  const auto still = [&](const BadTet& b) { return b.still_in(mesh) && work.quality(b.tet) < target; };
 
   static constexpr int kEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
   bool strong = by_all_means;  // collapses and insertions as well
@@ -89,22 +78,22 @@ PassesResult improve_passes(LocalOperations& work, const ImproveOptions& options
   result.end = ImproveResult::End::passes_done;
   for (int pass = 0; pass < options.passes + extra; ++pass) {
     const auto pass_begin = RunContext::Clock::now();
-    std::vector<Bad> bad = gather(target);
+    const std::vector<BadTet> bad = bad_tets(mesh, rank);
     ImprovePass record;
     record.bad = static_cast<std::int64_t>(bad.size());
     if (bad.empty()) {
       result.end = ImproveResult::End::target_reached;
       break;
     }
-    record.worst_sine = bad.front().quality;
-    if (bad.front().quality < kThin && extra < kExtraPassesForThin) ++extra;
+    record.worst_sine = bad.front().rank;
+    if (bad.front().rank < kThin && extra < kExtraPassesForThin) ++extra;
     context.report("improve", double(pass) / (options.passes + extra),
                    std::to_string(bad.size()) + " tets below " + std::to_string(int(options.target_degrees)) +
                        " degrees");
 
     const bool was_strong = strong;
     int count = 0;
-    for (const Bad& b : bad) {
+    for (const BadTet& b : bad) {
       if (++count % kPollEvery == 0) {
         if (since(begin) > seconds || context.stop()) {
           result.end = ImproveResult::End::time_over;
@@ -149,7 +138,7 @@ PassesResult improve_passes(LocalOperations& work, const ImproveOptions& options
           rested[v] = now;
         }
       }
-      if (still(b) && (strong || b.quality < kThin)) {
+      if (still(b) && (strong || b.rank < kThin)) {
         for (const auto& e : kEdges) {
           if (done) break;
           if (work.collapse(c[e[0]], c[e[1]]) || work.collapse(c[e[1]], c[e[0]])) {

@@ -1,7 +1,10 @@
 #include "src/improve/refine.h"
 
 #include <algorithm>
+#include <optional>
 #include <vector>
+
+#include "src/improve/bad_tets.h"
 
 namespace overtet {
 
@@ -12,12 +15,6 @@ constexpr std::int64_t kTetsPerVertex = 2000;
 constexpr int kMostPasses = 40;
 constexpr int kPollEvery = 256;
 
-struct Bad {
-  double ratio;
-  Index tet;
-  TetComplex::Tet corners;  // to see whether the number has been reused since
-};
-
 }  // namespace
 
 std::int64_t refine(LocalOperations& work, double radius_edge, std::span<const char> loose,
@@ -27,22 +24,17 @@ std::int64_t refine(LocalOperations& work, double radius_edge, std::span<const c
   std::int64_t all = 0;
   const auto is_loose = [&](Index v) { return v < static_cast<Index>(loose.size()) && loose[v]; };
   for (int pass = 0; pass < kMostPasses; ++pass) {
-    std::vector<Bad> bad;
-    for (Index t = 0; t < mesh.tet_capacity(); ++t) {
-      if (!mesh.alive(t) || hopeless[t]) continue;
+    const std::vector<BadTet> bad = bad_tets(mesh, [&](Index t) -> std::optional<double> {
       const auto& c = mesh.tet(t);
-      if (std::any_of(c.begin(), c.end(), is_loose)) continue;
+      if (hopeless[t] || std::any_of(c.begin(), c.end(), is_loose)) return std::nullopt;
       const double ratio = work.squared_radius_edge(t);
-      if (ratio > radius_edge * radius_edge) bad.push_back({ratio, t, c});
-    }
-    std::sort(bad.begin(), bad.end(), [](const Bad& x, const Bad& y) {
-      return x.ratio != y.ratio ? x.ratio > y.ratio : x.tet < y.tet;
+      return ratio > radius_edge * radius_edge ? std::optional(-ratio) : std::nullopt;
     });
     std::int64_t inserted = 0;
     int count = 0;
-    for (const Bad& b : bad) {
+    for (const BadTet& b : bad) {
       if (++count % kPollEvery == 0 && context.stop()) return all + inserted;
-      if (!mesh.alive(b.tet) || mesh.tet(b.tet) != b.corners) continue;
+      if (!b.still_in(mesh)) continue;
       if (mesh.tet_count() >= most_tets) return all + inserted;
       if (!work.insert_circumcentre(b.tet)) {
         hopeless[b.tet] = 1;
