@@ -63,6 +63,37 @@ TEST(HingeKinds, WoundManyTimes) {
   }
 }
 
+// Chains with different numbers of turns meet at one vertex.
+TEST(HingeKinds, TwoAtOneVertex) {
+  for (const double turns : {0.6, 1.3, 2.2})
+    for (const double longer : {1.0, 2.1}) {
+      SCOPED_TRACE(testing::Message() << turns << " turns, then " << longer << " more");
+      const Stairs s = spiral_stairs({.turns = turns, .edges = 3, .longer = longer});
+      ASSERT_EQ(test::check(s.surface, s.mesh), "");
+      ASSERT_GT(s.wound_last, s.wound);
+      const Diagnosis d = test::diagnosed(s.surface);
+      EXPECT_EQ(d.verdict, Verdict::feasible) << d.message;
+      auto b0 = b0_of_hinges(d);
+      EXPECT_EQ(b0[s.axis[0]], s.wound);
+      EXPECT_EQ(b0[s.axis[2]], s.wound + s.wound_last);
+      EXPECT_EQ(b0[s.axis[3]], s.wound_last);
+      EXPECT_EQ(failure_of(s.surface), "");
+    }
+}
+
+// Whatever the angle, there is a mesh or a reason why there is none.
+TEST(HingeKinds, ElbowsOfAnyAngle) {
+  int meshed = 0;
+  for (int degrees = 60; degrees <= 330; degrees += 15) {
+    SCOPED_TRACE(degrees);
+    const Surface s = test::elbow(degrees, 8 + degrees % 4);
+    if (test::diagnosed(s).verdict != Verdict::feasible) continue;
+    EXPECT_EQ(failure_of(s), "");
+    ++meshed;
+  }
+  EXPECT_GE(meshed, 8);
+}
+
 TEST(HingeKinds, ChainsAlongABentAxis) {
   for (const double bend : {0.1, 0.2, 0.3}) {
     SCOPED_TRACE(bend);

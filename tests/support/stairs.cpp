@@ -43,17 +43,24 @@ Stairs spiral_stairs(const StairsOptions& options) {
   const int steps = std::max(3, static_cast<int>(std::ceil(options.turns * options.per_turn)));
   const int levels = options.edges + 1;
   const double sector = 2 * std::numbers::pi * options.turns / steps;
+  const int more = static_cast<int>(std::ceil(2 * std::numbers::pi * options.longer / sector));
   Stairs out;
   out.wound = static_cast<int>(options.turns);
+  out.wound_last = static_cast<int>((steps + more) * sector / (2 * std::numbers::pi));
   TetMesh& m = out.mesh;
   const auto axis = [&](int level) { return static_cast<Index>(level); };
-  const auto column = [&](int i, int level) { return static_cast<Index>(levels + i * levels + level); };
-  m.V.resize(levels * (steps + 2), 3);
+  // Beyond the common steps only the last two levels have columns.
+  const auto column = [&](int i, int level) {
+    const int common = levels + (steps + 1) * levels;
+    return static_cast<Index>(i <= steps ? levels + i * levels + level
+                                         : common + 2 * (i - steps - 1) + level - (levels - 2));
+  };
+  m.V.resize(levels * (steps + 2) + 2 * more, 3);
   // Levels follow the axis; each is the one before, moved along it and turned.
   Eigen::Affine3d frame = Eigen::Affine3d::Identity();
   for (int j = 0; j < levels; ++j) {
     m.V.row(axis(j)) = frame.translation().transpose();
-    for (int i = 0; i <= steps; ++i) {
+    for (int i = 0; i <= steps + (j + 2 >= levels ? more : 0); ++i) {
       const double angle = sector * i, radius = 1 + kGrowth * angle;
       m.V.row(column(i, j)) =
           (frame * Point(radius * std::cos(angle), radius * std::sin(angle), kRise * angle)).transpose();
@@ -61,10 +68,10 @@ Stairs spiral_stairs(const StairsOptions& options) {
     frame = frame * Eigen::Translation3d(0, 0, 1) * Eigen::AngleAxisd(options.bend, Point::UnitX());
     out.axis.push_back(axis(j));
   }
-  m.T.resize(3 * steps * options.edges, 4);
+  m.T.resize(3 * (steps * options.edges + more), 4);
   Index t = 0;
-  for (int i = 0; i < steps; ++i)
-    for (int j = 0; j + 1 < levels; ++j) {
+  for (int i = 0; i < steps + more; ++i)
+    for (int j = i < steps ? 0 : levels - 2; j + 1 < levels; ++j) {
       const Index a0 = axis(j), b0 = column(i, j), c0 = column(i + 1, j);
       const Index a1 = axis(j + 1), b1 = column(i, j + 1), c1 = column(i + 1, j + 1);
       m.T.row(t++) << a0, b0, c0, c1;

@@ -18,6 +18,7 @@ struct StairsOptions {
   double turns = 1.3;  // not an integer
   int edges = 1;       // of the axis
   int per_turn = 7;    // steps
+  double longer = 0;   // more turns around the last edge, so that two chains end at the vertex before it
   double bend = 0;     // radians that the axis bends by from each edge to the next
   double noise = 0;    // each coordinate moves by at most half of it, as long as all tets stay positive
   std::uint64_t seed = 1;
@@ -28,6 +29,7 @@ struct Stairs {
   TetMesh mesh;             // a solution
   std::vector<Index> axis;  // vertices, from hinge to hinge
   int wound = 0;            // extra turns around each edge of the axis
+  int wound_last = 0;       // around its last one
 };
 
 Stairs spiral_stairs(const StairsOptions& options);
