@@ -246,8 +246,12 @@ bool has_parts(const Surface& surface, const Diagnosis& d) {
 }
 
 Result<TetMesh> mesh_by_parts(const PartsRoute& route) {
-  return timed_stage("parts", route.records, route.context,
-                     [&](StageRecord& record) { return PartsMesher(route).run(record); });
+  Result<TetMesh> mesh = timed_stage("parts", route.records, route.context,
+                                     [&](StageRecord& record) { return PartsMesher(route).run(record); });
+  if (mesh) return mesh;
+  Error error = mesh.error();
+  error.exhausted = false;  // what has been tried in vain is one part by itself
+  return error;
 }
 
 }  // namespace overtet

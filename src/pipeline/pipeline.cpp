@@ -187,6 +187,7 @@ Status Run::try_routes() {
     if (e.code == ErrorCode::internal)
       code = e.code;  // another route may still do; if none does, this is why
     context_.note(LogLevel::info, std::string("Route ") + route.name + ": " + e.message);
+    if (std::string(route.name) == "parts") continue;  // the whole is still to be tried
     if (const auto pinched = pinched_vertices()) return *pinched;
     if (e.exhausted)
       return Error{ErrorCode::unsolved,
