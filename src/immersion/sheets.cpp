@@ -13,6 +13,7 @@
 #include <string>
 #include <tuple>
 
+#include "kernels/parallel/grouping.h"
 #include "kernels/parallel/parallel.h"
 
 namespace overtet {
@@ -310,27 +311,31 @@ class Assigner {
   void find_facets() {
     const Index n = static_cast<Index>(tets_.T.rows());
     const Index m = static_cast<Index>(tets_.facets.rows());
-    TriangleTable table(m);
-    std::vector<char> marked(tets_.V.rows(), 0);
-    for (Index i = 0; i < m; ++i) {
-      const Triple t{tets_.facets(i, 0), tets_.facets(i, 1), tets_.facets(i, 2)};
-      for (const Index v : t) marked[v] = 1;
-      table.insert(sorted(t), i);
-    }
     std::vector<Index> facet_of(m, -1);
     out_.facet_on.assign(n, {-1, -1, -1, -1});
     corners_.clear();
     const auto face = [&](Index t, int k) {
       return Triple{tets_.T(t, kFace[k][0]), tets_.T(t, kFace[k][1]), tets_.T(t, kFace[k][2])};
     };
-    std::vector<std::array<Index, 4>> found(n);
-    parallel_for(n, kTetGrain, [&](std::int64_t begin, std::int64_t end) {
-      for (Index t = static_cast<Index>(begin); t < end; ++t)
-        for (int k = 0; k < 4; ++k) {
-          const Triple f = face(t, k);
-          found[t][k] = marked[f[0]] && marked[f[1]] && marked[f[2]] ? table.find(sorted(f)) : -1;
-        }
-    });
+    std::vector<std::array<Index, 4>> searched;
+    if (tets_.facet_on.empty()) {
+      TriangleTable table(m);
+      std::vector<char> marked(tets_.V.rows(), 0);
+      for (Index i = 0; i < m; ++i) {
+        const Triple t{tets_.facets(i, 0), tets_.facets(i, 1), tets_.facets(i, 2)};
+        for (const Index v : t) marked[v] = 1;
+        table.insert(sorted(t), i);
+      }
+      searched.resize(n);
+      parallel_for(n, kTetGrain, [&](std::int64_t begin, std::int64_t end) {
+        for (Index t = static_cast<Index>(begin); t < end; ++t)
+          for (int k = 0; k < 4; ++k) {
+            const Triple f = face(t, k);
+            searched[t][k] = marked[f[0]] && marked[f[1]] && marked[f[2]] ? table.find(sorted(f)) : -1;
+          }
+      });
+    }
+    const std::vector<std::array<Index, 4>>& found = searched.empty() ? tets_.facet_on : searched;
     for (Index t = 0; t < n; ++t) {
       for (int k = 0; k < 4; ++k) {
         const Index i = found[t][k];
@@ -425,6 +430,9 @@ class Assigner {
     struct Use {
       Index p, q, face;
       int side;
+      bool operator<(const Use& other) const {
+        return std::tie(p, q, face) < std::tie(other.p, other.q, other.face);
+      }
     };
     std::vector<Use> uses;
     for (Index f = 0; f < static_cast<Index>(faces.size()); ++f)
@@ -433,14 +441,12 @@ class Assigner {
         const Index b = tets_.T(faces[f].tet, kFace[faces[f].corner][(i + 1) % 3]);
         uses.push_back({std::min(a, b), std::max(a, b), f, i});
       }
-    std::sort(uses.begin(), uses.end(), [](const Use& a, const Use& b) {
-      return std::tie(a.p, a.q, a.face) < std::tie(b.p, b.q, b.face);
-    });
+    parallel_sort(uses);
     std::vector<std::pair<Index, Index>> on_surface;  // edges of facets: their rings do not close in a cell
     for (const Triple& c : corners_)
       for (int k = 0; k < 3; ++k)
         on_surface.emplace_back(std::min(c[k], c[(k + 1) % 3]), std::max(c[k], c[(k + 1) % 3]));
-    std::sort(on_surface.begin(), on_surface.end());
+    parallel_sort(on_surface);
     std::vector<std::vector<Index>> faces_of;
     std::vector<Index> open_count;
     for (std::size_t b = 0; b < uses.size();) {
@@ -549,6 +555,9 @@ class Assigner {
     Index p, q;  // p < q
     Index facet;
     int corner;  // the facet's corner opposite to the edge
+    bool operator<(const EdgeUse& other) const {
+      return std::tie(p, q, facet) < std::tie(other.p, other.q, other.facet);
+    }
   };
 
   // Partner of each sheet at an edge, regions, and the fans that constrain them.
@@ -561,9 +570,7 @@ class Assigner {
         const Index a = corners_[f][(k + 1) % 3], b = corners_[f][(k + 2) % 3];
         uses.push_back({std::min(a, b), std::max(a, b), f, k});
       }
-    std::sort(uses.begin(), uses.end(), [](const EdgeUse& a, const EdgeUse& b) {
-      return std::tie(a.p, a.q, a.facet) < std::tie(b.p, b.q, b.facet);
-    });
+    parallel_sort(uses);
     struct Link {
       Index facet = -1;
       std::vector<Index>

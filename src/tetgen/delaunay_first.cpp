@@ -693,9 +693,11 @@ Result<TetgenResult> DelaunayFirst::collect() {
   const Eigen::Index given = plc_.V.rows();
   out.T.resize(kept, 4);
   out.neighbours.resize(kept, 4);
+  out.facet_on.resize(kept);
   parallel_for(n, kGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t t = begin; t < end; ++t) {
       if (number[t] < 0) continue;
+      out.facet_on[number[t]] = facet_on_[t];
       for (int k = 0; k < 4; ++k) {
         out.T(number[t], k) = tet_[t][k];
         out.neighbours(number[t], k) = next_[t][k] < 0 ? -1 : number[next_[t][k]];

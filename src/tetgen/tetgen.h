@@ -5,6 +5,7 @@
 // exactly; the first #V output vertices are verified to be the input's, to the last bit.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "overtet/result.h"
@@ -34,16 +35,18 @@ struct TetgenOptions {
 };
 
 struct TetgenResult {
-  VertexMatrix V;                    // #X x 3; the first #V rows are the input's, bit for bit
-  TetMatrix T;                       // #T x 4, positive
-  TetMatrix neighbours;              // #T x 4; entry k: the tet beyond the face opposite to vertex k, or -1
-  TriangleMatrix facets;             // subfaces of the input facets
-  std::vector<Index> facet_markers;  // #facets
-  std::vector<Index> facet_sources;  // #facets; the row of Plc::F that each is part of
-  Index missing_facets = 0;          // with Delaunay tets first: no faces of these
-  Index tetgen_facets = 0;           // that TetGen has worked on, walls of cavities included
-  double seconds = 0;                // wall time of the child
-  std::size_t peak_rss_bytes = 0;    // of the child
+  VertexMatrix V;         // #X x 3; the first #V rows are the input's, bit for bit
+  TetMatrix T;            // #T x 4, positive
+  TetMatrix neighbours;   // #T x 4; entry k: the tet beyond the face opposite to vertex k, or -1
+  TriangleMatrix facets;  // subfaces of the input facets
+  std::vector<std::array<Index, 4>> facet_on;  // #T, or empty where that was not found out by the way: the
+                                               // row of facets on the face opposite to each vertex, or -1
+  std::vector<Index> facet_markers;            // #facets
+  std::vector<Index> facet_sources;            // #facets; the row of Plc::F that each is part of
+  Index missing_facets = 0;                    // with Delaunay tets first: no faces of these
+  Index tetgen_facets = 0;                     // that TetGen has worked on, walls of cavities included
+  double seconds = 0;                          // wall time of the child
+  std::size_t peak_rss_bytes = 0;              // of the child
 };
 
 // Guaranteed: every tet is exactly positive; every input vertex is a corner of some tet; with keep_facets
