@@ -151,7 +151,8 @@ std::optional<Error> Run::pinched_vertices() const {
       return Error{ErrorCode::bad_input,
                    "Vertices " + std::to_string(order[i]) + " and " + std::to_string(order[i + 1]) +
                        " are at the same point, and the solid has no thickness between them;" +
-                       " move one of them a little."};
+                       " move one of them a little.",
+                   position(order[i])};
   return std::nullopt;
 }
 
@@ -188,7 +189,11 @@ Status Run::try_routes() {
       code = e.code;  // another route may still do; if none does, this is why
     context_.note(LogLevel::info, std::string("Route ") + route.name + ": " + e.message);
     if (std::string(route.name) == "parts") continue;  // the whole is still to be tried
-    if (const auto pinched = pinched_vertices()) return *pinched;
+    if (const auto pinched = pinched_vertices()) {
+      if (pinched->place)
+        unglued_ = Eigen::Vector3d((*pinched->place)[0], (*pinched->place)[1], (*pinched->place)[2]);
+      return *pinched;
+    }
     if (e.exhausted)
       return Error{ErrorCode::unsolved,
                    "No tet mesh was found: " + e.message +
@@ -255,17 +260,17 @@ Result<TetMesh> Run::mesh_immersed() {
     record.figures = {{"cells", std::int64_t{x.cells}},
                       {"regions", std::int64_t{x.regions}},
                       {"winding_max", std::int64_t{x.winding_max}},
-                      {"boundary_points", std::int64_t{x.boundary_points}},
-                      {"refined_edges", std::int64_t{x.refined_edges}},
-                      {"tets", std::int64_t{x.mesh.T.rows()}},
-                      {"arrangement_seconds", x.arrangement_seconds},
-                      {"tet_mesh_seconds", x.tet_mesh_seconds},
                       {"facets", std::int64_t{x.arrangement.F.rows()}},
                       {"points", std::int64_t{x.arrangement.V.rows()}},
                       {"rounds", std::int64_t{x.arrangement.rounds}},
                       {"missing_facets", std::int64_t{x.missing_facets}},
                       {"tetgen_facets", std::int64_t{x.tetgen_facets}},
                       {"steiner_points", std::int64_t{x.steiner_points}},
+                      {"boundary_points", std::int64_t{x.boundary_points}},
+                      {"refined_edges", std::int64_t{x.refined_edges}},
+                      {"tets", std::int64_t{x.mesh.T.rows()}},
+                      {"arrangement_seconds", x.arrangement_seconds},
+                      {"tet_mesh_seconds", x.tet_mesh_seconds},
                       {"sheets_seconds", x.sheets_seconds},
                       {"boundary_seconds", x.boundary_seconds}};
     return std::move(r.value().mesh);

@@ -14,9 +14,13 @@ namespace overtet {
 namespace {
 
 constexpr int kRepairs = 8;
-constexpr double kFar = 0.6;       // of the diagonal: as far as it takes; the way back is still to come
-constexpr double kGentle = 0.01;   // moves of this size are as good as smaller ones
-constexpr double kPullTime = 0.4;  // of the time that is left
+constexpr double kFar = 0.6;         // of the diagonal: as far as it takes; the way back is still to come
+constexpr double kShrinkWork = 1e4;  // of gentle repairs: the way back does the rest
+constexpr double kGentle = 0.01;     // moves of this size are as good as smaller ones
+constexpr double kPullTime = 0.4;    // of the time that is left
+
+// How far vertices may move on the way out.
+enum class Reach { gentle, far, allowed };
 
 class Repairing {
  public:
@@ -27,12 +31,12 @@ class Repairing {
 
   Result<RepairedMesh> run(const std::optional<Eigen::Vector3d>& unglued) {
     double least = std::numeric_limits<double>::infinity();
-    for (const bool far : {true, false}) {
-      Result<std::optional<RepairedMesh>> away = move_away(far, unglued);
+    for (const Reach reach : {Reach::gentle, Reach::far, Reach::allowed}) {
+      Result<std::optional<RepairedMesh>> away = move_away(reach, unglued);
       if (!away) return away.error();
       if (!away.value()) continue;
       RepairedMesh best = std::move(*away.value());
-      Result<std::optional<RepairedMesh>> back = pull_back(best, far);
+      Result<std::optional<RepairedMesh>> back = pull_back(best, reach);
       if (!back) return back.error();
       if (back.value() && (best.max_relative > route_.max_move || better(*back.value(), best)))
         best = std::move(*back.value());
@@ -51,10 +55,12 @@ class Repairing {
 
  private:
   // None: no surface with a mesh was found.
-  Result<std::optional<RepairedMesh>> move_away(bool far, std::optional<Eigen::Vector3d> unglued) {
+  Result<std::optional<RepairedMesh>> move_away(Reach reach, std::optional<Eigen::Vector3d> unglued) {
     RepairOptions options;
-    options.max_relative_move = far ? std::max(kFar, route_.max_move) : route_.max_move;
-    if (far) options.max_shrink_rounds = 0;
+    options.max_relative_move = reach == Reach::far ? std::max(kFar, route_.max_move) : route_.max_move;
+    options.only_gently = reach == Reach::gentle;
+    if (reach == Reach::gentle) options.shrink_work = kShrinkWork;
+    if (reach == Reach::far) options.max_shrink_rounds = 0;  // it leads the way back astray
     for (int round = 0; round < kRepairs; ++round) {
       options.place = unglued;
       Result<RepairResult> fixed = timed_stage(
@@ -89,11 +95,12 @@ class Repairing {
   }
 
   // None: it cannot be pulled.
-  Result<std::optional<RepairedMesh>> pull_back(const RepairedMesh& from, bool far) {
+  Result<std::optional<RepairedMesh>> pull_back(const RepairedMesh& from, Reach reach) {
     VolumeMapOptions options;
     options.refinements = 0;
     options.seconds = std::min(options.seconds, kPullTime * route_.context.seconds_left());
-    options.largest_move = far ? route_.max_move * diagonal_ : std::numeric_limits<double>::infinity();
+    options.largest_move =
+        reach == Reach::far ? route_.max_move * diagonal_ : std::numeric_limits<double>::infinity();
     Result<VolumeMapResult> pulled = timed_stage(
         "volume_map", route_.records, route_.context, [&](StageRecord& record) -> Result<VolumeMapResult> {
           Result<VolumeMapResult> r = volume_map(from.mesh, route_.surface.V, {}, options, route_.context);

@@ -734,7 +734,9 @@ Result<RepairResult> Repair::run() {
     for (int round = 0; !offences_.empty() && round < options_.max_rounds; ++round) {
       assign();
       for (std::size_t v = 0; v < level_.size(); ++v)
-        if (turned_near[v] && level_[v] > kGentleLevel) exhausted_ = true;
+        if ((turned_near[v] || (options_.only_gently && level_[v] < kCreaseLevel)) &&
+            level_[v] > kGentleLevel)
+          exhausted_ = true;
       if (exhausted_) break;
       place();
       compose();
@@ -760,7 +762,7 @@ Result<RepairResult> Repair::run() {
   };
   look_for_turned();
   if (Status s = climb(); !s) return s.error();
-  if (!offences_.empty() && !hopeless_ && !asked) {
+  if (!offences_.empty() && !hopeless_ && !asked && !options_.only_gently) {
     // Smoothing does not do it: there may be parts to turn over.
     if (Status s = from(input_.V); !s) return s.error();
     if (Status s = turn_parts(); !s) return s.error();

@@ -34,6 +34,7 @@ struct RepairOptions {
   double max_relative_move = 0.06;  // of the bounding box's diagonal
   // What is tried first everywhere: this much of the diagonal, or the mean edge where that is longer.
   double gentle_relative_move = 0.01;
+  bool only_gently = false;    // nothing else, no parts turned: where that does not do, an error
   int max_rounds = 80;         // diagnoses until the surface must be feasible
   double turn_work = 1e5;      // pairs of faces (plus a hundredth of the faces) looked at for turning parts
   int max_shrink_rounds = 60;  // diagnoses spent on moving less

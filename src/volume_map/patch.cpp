@@ -216,11 +216,12 @@ bool PatchSolver::step(const TetComplex& mesh, const Patch& patch, const PatchFo
           for (int s = 0; s < 3; ++s) add(v, w, r, s, 2 * forces.angle_weight * gv[r] * gw[s]);
     }
   }
-  // The shape energy does not feel translations and scale of a patch without fixed corners.
-  double trace = 0;
+  // The shape energy does not feel translations and scale of a patch without fixed corners. Relative to each
+  // entry: tets of very different sizes may be in one patch, and tiny ones must not hold the others.
+  Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(3 * n);
   for (const auto& t : entries)
-    if (t.row() == t.col()) trace += t.value();
-  for (int i = 0; i < 3 * n; ++i) entries.emplace_back(i, i, 1e-9 * trace / (3 * n));
+    if (t.row() == t.col()) diagonal[t.row()] += t.value();
+  for (int i = 0; i < 3 * n; ++i) entries.emplace_back(i, i, 1e-9 * diagonal[i]);
   SymmetricMatrix H(3 * n, 3 * n);
   H.setFromTriplets(entries.begin(), entries.end());
   SparseCholesky factor({CholeskyOptions::Ordering::amd, CholeskyOptions::Method::automatic});

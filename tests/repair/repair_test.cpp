@@ -308,6 +308,7 @@ TEST(Repair, TheMeshIsPulledBack) {
   PipelineOptions options;
   options.on_infeasible = OnInfeasible::repair;
   options.improve_degrees = 0;
+  options.max_repair_move = 0.1;
   for (const Surface& s : {poked(0.3), poked(0.5)}) {
     ASSERT_TRUE(test::is_closed_oriented(s));
     const PipelineResult r = run_pipeline(s, options, {});
