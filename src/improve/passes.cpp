@@ -31,6 +31,7 @@ constexpr Gains kPays{1.05, 1.2}, kAny{1.001, 1.001};
 PassesResult improve_passes(LocalOperations& work, const ImproveOptions& options, bool by_all_means,
                             double seconds, const RunContext& context) {
   const Gains gains = by_all_means ? kAny : kPays;
+  work.be_thorough(by_all_means);
   const auto begin = RunContext::Clock::now();
   const auto since = [](RunContext::Clock::time_point t) {
     return std::chrono::duration<double>(RunContext::Clock::now() - t).count();

@@ -51,6 +51,8 @@ class LocalOperations {
   const std::vector<Index>& changed() const { return changed_; }
   // When false, no operation makes an interior edge between two fixed vertices. Default: allowed.
   void allow_fixed_chords(bool allowed) { fixed_chords_ = allowed; }
+  // When true, vertices are placed with more care: twice the time for the last tenths. Default: false.
+  void be_thorough(bool thorough) { thorough_ = thorough; }
 
   // A new vertex on the interior edge a-b, at p. No criterion; false when a tet would not be positive or
   // the edge is not an interior one.
@@ -136,6 +138,7 @@ class LocalOperations {
   std::vector<char> fixed_;
   std::vector<char> shared_;  // empty: no vertex is shared; 2: pinched
   bool fixed_chords_ = true;
+  bool thorough_ = false;
   Tets changed_, ring_, star_, other_star_, link_, cavity_;
   std::vector<TetComplex::Tet> added_;
   std::vector<Face> faces_, hull_, grown_hull_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "kernels/tet_energy/tet_quality.h"
 #include "src/tet_complex/local_operations.h"
@@ -17,7 +18,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // A move that gains less than this is not worth a change of the mesh.
 constexpr double kLeastGain = 1e-3;
 // Functions within this factor of the worst steer the climb together with it.
-constexpr double kActiveFactor[] = {1.5, 1.1};
+constexpr double kActiveFactor[] = {1.5, 1.1}, kAllFactors[] = {1.5, 1.1, 2.0, 1.25, 1.02};
 // Those beyond this factor do not matter for a step.
 constexpr double kFarFromWorst = 4.0;
 constexpr int kMostActive = 5;
@@ -83,6 +84,8 @@ double LocalOperations::optimise(Vector3d& x, double q, int rounds) {
     double log_sine;
     Vector3d gradient;
   };
+  const std::span<const double> factors = thorough_ ? std::span<const double>(kAllFactors) : kActiveFactor;
+  const double least_gain = thorough_ ? 0 : kLeastStepGain;
   static thread_local std::vector<Active> all;
   static thread_local std::vector<double> worst_of;  // of each base
   for (int round = 0; round < rounds; ++round) {
@@ -109,7 +112,7 @@ double LocalOperations::optimise(Vector3d& x, double q, int rounds) {
     }
     if (all.empty()) return q;
     bool moved = false;
-    for (const double factor : kActiveFactor) {
+    for (const double factor : factors) {
       const double limit = least + std::log(factor);
       std::array<Vector3d, kMostActive> active;
       active.fill(Vector3d::Zero());
@@ -154,8 +157,7 @@ double LocalOperations::optimise(Vector3d& x, double q, int rounds) {
       step = std::max(step, 1e-3 * end);
       double reached = q;
       Vector3d best = x;
-      for (int halving = 0; halving < kMostHalvings && step * slope > kLeastStepGain;
-           ++halving, step *= 0.5) {
+      for (int halving = 0; halving < kMostHalvings && step * slope > least_gain; ++halving, step *= 0.5) {
         const Vector3d trial = x + step * direction;
         const double here = quality_at(trial, reached);
         if (here > reached) {
