@@ -140,13 +140,19 @@ class Assigner {
       }
       if (fits) continue;
       out.crowded.push_back(hinge.vertex);
-      out.unmet.push_back(hinge.vertex);
-      if (!out.explanation.empty()) continue;
-      out.explanation = "No positive mesh exists: at vertex " + std::to_string(hinge.vertex) +
-                        " the integer B0 is " + std::to_string(*hinge.B0) +
-                        ", and its edges cannot turn that often beyond what they show: too few of them are "
-                        "covered all along on their outer side.";
+      explain(hinge,
+              "its edges cannot turn that often beyond what they show: too few of them are covered all along "
+              "on their outer side.",
+              out);
     }
+  }
+
+  // The first explanation stands.
+  static void explain(const Hinge& hinge, const char* why, WoundEdges& out) {
+    out.unmet.push_back(hinge.vertex);
+    if (out.explanation.empty())
+      out.explanation = "No positive mesh exists: at vertex " + std::to_string(hinge.vertex) +
+                        " the integer B0 is " + std::to_string(*hinge.B0) + ", and " + why;
   }
 
   std::optional<Error> find_unfillable(WoundEdges& out) {
@@ -167,12 +173,10 @@ class Assigner {
       steps += answer.steps;
       if (answer.verdict != LinkVerdict::unfillable) continue;
       out.unfillable.push_back(hinge.vertex);
-      out.unmet.push_back(hinge.vertex);
-      if (!out.explanation.empty()) continue;
-      out.explanation = "No positive mesh exists: at vertex " + std::to_string(hinge.vertex) +
-                        " the integer B0 is " + std::to_string(*hinge.B0) +
-                        ", and no tets fill its surroundings: the polygon in which its faces meet a small "
-                        "sphere bounds no disc that turns only at edges covered all along.";
+      explain(hinge,
+              "no tets fill its surroundings: the polygon in which its faces meet a small sphere bounds no "
+              "disc that turns only at edges covered all along.",
+              out);
     }
     return std::nullopt;
   }

@@ -185,12 +185,7 @@ bool LocalOperations::fill(const Tets& cavity, const Vector3d& x) {
   // Seen from x the cavity's boundary must fill the sphere once; in a mesh that overlaps itself it might
   // do so twice, and then the old tets were no embedded cavity.
   if (!seen_once(x)) return false;
-  const Index v = mesh_.add_vertex(x);
-  fixed_.push_back(0);
-  vertex_mark_.push_back(0);
-  added_.clear();
-  for (const Face& f : hull_) added_.push_back({f[0], f[1], f[2], v});
-  return commit(cavity);
+  return star_of_new_vertex(hull_, x, cavity);
 }
 
 bool LocalOperations::insert_at_edge(Index t, Index a, Index b, double gain) {

@@ -122,6 +122,20 @@ bool LocalOperations::commit(const Tets& removed) {
 
 // ---------------------------------------------------------------------------------------------- splits
 
+Index LocalOperations::new_vertex(const Vector3d& p) {
+  fixed_.push_back(0);
+  vertex_mark_.push_back(0);
+  return mesh_.add_vertex(p);
+}
+
+bool LocalOperations::star_of_new_vertex(const std::vector<Face>& faces, const Vector3d& p,
+                                         const Tets& removed) {
+  const Index v = new_vertex(p);
+  added_.clear();
+  for (const Face& f : faces) added_.push_back({f[0], f[1], f[2], v});
+  return commit(removed);
+}
+
 bool LocalOperations::split_edge(Index a, Index b, const Vector3d& p) {
   const Index t = mesh_.tet_with_edge(a, b);
   if (t < 0) return false;
@@ -133,9 +147,7 @@ bool LocalOperations::split_edge(Index a, Index b, const Vector3d& p) {
     if (!(min_dihedral_sine(mesh_.position(a), p, x, y) > 0)) return false;
     if (!(min_dihedral_sine(p, mesh_.position(b), x, y) > 0)) return false;
   }
-  const Index v = mesh_.add_vertex(p);
-  fixed_.push_back(0);
-  vertex_mark_.push_back(0);
+  const Index v = new_vertex(p);
   added_.clear();
   for (std::size_t i = 0; i < n; ++i) {
     added_.push_back({a, v, link_[i], link_[(i + 1) % n]});
@@ -154,12 +166,7 @@ bool LocalOperations::split_face(Index t, int k, const Vector3d& p) {
       if (const Index n = mesh_.neighbour(s, j); n != t && n != u) faces_.push_back(inner_face(s, j));
   load_bases();
   if (faces_.size() != 6 || !(quality_at(p, 0) > 0)) return false;
-  const Index v = mesh_.add_vertex(p);
-  fixed_.push_back(0);
-  vertex_mark_.push_back(0);
-  added_.clear();
-  for (const Face& f : faces_) added_.push_back({f[0], f[1], f[2], v});
-  return commit(cavity_);
+  return star_of_new_vertex(faces_, p, cavity_);
 }
 
 bool LocalOperations::split_tet(Index t, const Vector3d& p) {
@@ -168,12 +175,7 @@ bool LocalOperations::split_tet(Index t, const Vector3d& p) {
   for (int j = 0; j < 4; ++j) faces_.push_back(inner_face(t, j));
   load_bases();
   if (!(quality_at(p, 0) > 0)) return false;
-  const Index v = mesh_.add_vertex(p);
-  fixed_.push_back(0);
-  vertex_mark_.push_back(0);
-  added_.clear();
-  for (const Face& f : faces_) added_.push_back({f[0], f[1], f[2], v});
-  return commit(cavity_);
+  return star_of_new_vertex(faces_, p, cavity_);
 }
 
 // ----------------------------------------------------------------------------------------------- flips

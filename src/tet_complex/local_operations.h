@@ -112,6 +112,9 @@ class LocalOperations {
   // Replaces the tets by added_ and keeps the tables; false when what is shared forbids it.
   // pre: every added tet is positive.
   bool commit(const Tets& removed);
+  Index new_vertex(const Eigen::Vector3d& p);
+  // Tets from the faces to a new vertex; pre: it sees their inner sides.
+  bool star_of_new_vertex(const std::vector<Face>& faces, const Eigen::Vector3d& p, const Tets& removed);
   bool respects_shared(const Tets& removed) const;
   // What is known about tets that have changed.
   void refresh(std::span<const Index> tets);

@@ -227,17 +227,21 @@ TEST_F(CheckWitness, PairedVerticesAreNoProof) {
   EXPECT_EQ(answer(s, unpaired_witness({0}, {0})), 1) << said_;  // even
 }
 
+// Shaken, with a sphere around one of its hinges.
+Surface pierced_at_hinge(const Surface& elbow, std::uint64_t seed) {
+  const Surface s = test::noisy(elbow, seed, 0.02 + 0.03 * static_cast<double>(seed % 7));
+  const std::vector<Hinge> hinges = diagnosed(s).hinges;
+  const Eigen::Vector3d at = s.V.row(hinges[seed % hinges.size()].vertex);
+  return test::joined(s, test::sphere(1, 0.1 + 0.1 * static_cast<double>(seed % 5),
+                                      at + 0.05 * Eigen::Vector3d(0.3, 0.5, 0.7)));
+}
+
 // Elbows with a sphere around a hinge, at which B0 asks for more turns than the edges have room for, though
 // nothing is wrong with its parity.
 TEST_F(CheckWitness, CrowdedVertices) {
   for (const std::uint64_t seed : {271, 395}) {
-    const double shake = 0.02 + 0.03 * static_cast<double>(seed % 7);
-    Surface s =
-        test::noisy(test::elbow(110 + 20.0 * static_cast<double>(seed % 4), 8 + seed % 3), seed, shake);
-    const std::vector<Hinge> hinges = diagnosed(s).hinges;
-    const Eigen::Vector3d at = s.V.row(hinges[seed % hinges.size()].vertex);
-    s = test::joined(s, test::sphere(1, 0.1 + 0.1 * static_cast<double>(seed % 5),
-                                     at + 0.05 * Eigen::Vector3d(0.3, 0.5, 0.7)));
+    const Surface s =
+        pierced_at_hinge(test::elbow(110 + 20.0 * static_cast<double>(seed % 4), 8 + seed % 3), seed);
     const Diagnosis d = diagnosed(s);
     ASSERT_EQ(d.verdict, Verdict::obstructed);
     EXPECT_TRUE(d.wound.odd_groups.empty());
@@ -261,13 +265,8 @@ TEST_F(CheckWitness, CrowdedVertices) {
 // edges, but nothing fits into the link.
 TEST_F(CheckWitness, LinksThatBoundNoDisc) {
   for (const std::uint64_t seed : {137, 353}) {
-    const double shake = 0.02 + 0.03 * static_cast<double>(seed % 7);
-    Surface s =
-        test::noisy(test::elbow(90 + 20.0 * static_cast<double>(seed % 6), 8 + seed % 5), seed, shake);
-    const std::vector<Hinge> hinges = diagnosed(s).hinges;
-    const Eigen::Vector3d at = s.V.row(hinges[seed % hinges.size()].vertex);
-    s = test::joined(s, test::sphere(1, 0.1 + 0.1 * static_cast<double>(seed % 5),
-                                     at + 0.05 * Eigen::Vector3d(0.3, 0.5, 0.7)));
+    const Surface s =
+        pierced_at_hinge(test::elbow(90 + 20.0 * static_cast<double>(seed % 6), 8 + seed % 5), seed);
     const Diagnosis d = diagnosed(s);
     ASSERT_EQ(d.verdict, Verdict::obstructed);
     EXPECT_TRUE(d.wound.odd_groups.empty());
