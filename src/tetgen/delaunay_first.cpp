@@ -25,8 +25,8 @@ constexpr std::int64_t kGrain = 1 << 13;
 
 // A cavity with more tets than this is TetGen's, and one for which so many tets have been tried.
 constexpr std::size_t kLargestCavity = 40;
-constexpr std::size_t kMostPairs =
-    300'000;  // of tets and missing facets, where one facet goes after the other
+// So are cavities with more pairs of a tet and a missing facet, where one facet goes after the other.
+constexpr std::size_t kMostPairs = 300'000;
 constexpr int kSteps = 300;
 
 // So often all cavities are looked at, each time with one more layer of tets around them.

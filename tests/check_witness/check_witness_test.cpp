@@ -111,6 +111,11 @@ class CheckWitness : public testing::Test {
     return answer(off_text(s), "{\"status\": \"infeasible\", \"witness\": " + witness + "}");
   }
 
+  // The script confirms the rule at the vertices given, and at no other hinge; of those `most` are tried. How
+  // many were.
+  int confirms_no_others(const Surface& s, const Diagnosis& d, const char* rule,
+                         const std::vector<Index>& vertices, int most);
+
   test::TemporaryFolder folder_;
   std::string said_;
 };
@@ -140,6 +145,24 @@ std::optional<int> b0_of(const Diagnosis& d, Index vertex) {
   for (const Hinge& h : d.hinges)
     if (h.vertex == vertex) return h.B0;
   return std::nullopt;
+}
+
+std::string hinge_witness(const char* rule, Index vertex, int b0) {
+  return "{\"rule\": \"" + std::string(rule) + "\", \"vertices\": [" + std::to_string(vertex) +
+         "], \"B0\": [" + std::to_string(b0) + "]}";
+}
+
+int CheckWitness::confirms_no_others(const Surface& s, const Diagnosis& d, const char* rule,
+                                     const std::vector<Index>& vertices, int most) {
+  for (const Index v : vertices)
+    EXPECT_EQ(answer(s, hinge_witness(rule, v, b0_of(d, v).value())), 0) << said_;
+  int others = 0;
+  for (const Hinge& h : d.hinges) {
+    if (!h.B0 || others == most || std::count(vertices.begin(), vertices.end(), h.vertex)) continue;
+    ++others;
+    EXPECT_EQ(answer(s, hinge_witness(rule, h.vertex, *h.B0)), 1) << said_;
+  }
+  return others;
 }
 
 TEST_F(CheckWitness, PointsOfNegativeWinding) {
@@ -246,18 +269,9 @@ TEST_F(CheckWitness, CrowdedVertices) {
     ASSERT_EQ(d.verdict, Verdict::obstructed);
     EXPECT_TRUE(d.wound.odd_groups.empty());
     ASSERT_FALSE(d.wound.crowded.empty());
-    const auto witness = [](Index v, int b0) {
-      return "{\"rule\": \"crowded\", \"vertices\": [" + std::to_string(v) + "], \"B0\": [" +
-             std::to_string(b0) + "]}";
-    };
-    for (const Index v : d.wound.crowded) EXPECT_EQ(answer(s, witness(v, b0_of(d, v).value())), 0) << said_;
-    int others = 0;
-    for (const Hinge& h : d.hinges) {
-      if (!h.B0 || std::count(d.wound.crowded.begin(), d.wound.crowded.end(), h.vertex) || ++others > 3)
-        continue;
-      EXPECT_EQ(answer(s, witness(h.vertex, *h.B0)), 1) << said_;
-    }
-    EXPECT_EQ(answer(s, witness(d.wound.crowded[0], b0_of(d, d.wound.crowded[0]).value() + 2)), 1) << said_;
+    confirms_no_others(s, d, "crowded", d.wound.crowded, 3);
+    const Index v = d.wound.crowded[0];
+    EXPECT_EQ(answer(s, hinge_witness("crowded", v, b0_of(d, v).value() + 2)), 1) << said_;
   }
 }
 
@@ -272,20 +286,8 @@ TEST_F(CheckWitness, LinksThatBoundNoDisc) {
     EXPECT_TRUE(d.wound.odd_groups.empty());
     EXPECT_TRUE(d.wound.crowded.empty());
     ASSERT_FALSE(d.wound.unfillable.empty());
-    const auto witness = [](Index v, int b0) {
-      return "{\"rule\": \"link\", \"vertices\": [" + std::to_string(v) + "], \"B0\": [" +
-             std::to_string(b0) + "]}";
-    };
-    for (const Index v : d.wound.unfillable)
-      EXPECT_EQ(answer(s, witness(v, b0_of(d, v).value())), 0) << said_;
-    int others = 0;
-    for (const Hinge& h : d.hinges) {
-      if (!h.B0 || std::count(d.wound.unfillable.begin(), d.wound.unfillable.end(), h.vertex) || ++others > 6)
-        continue;
-      EXPECT_EQ(answer(s, witness(h.vertex, *h.B0)), 1) << said_;
-    }
-    EXPECT_GT(others, 0);
-    EXPECT_EQ(answer(s, witness(d.wound.unfillable[0], 0)), 1) << said_;
+    EXPECT_GT(confirms_no_others(s, d, "link", d.wound.unfillable, 6), 0);
+    EXPECT_EQ(answer(s, hinge_witness("link", d.wound.unfillable[0], 0)), 1) << said_;
   }
 }
 
