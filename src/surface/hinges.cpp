@@ -259,25 +259,34 @@ std::optional<std::vector<int>> edge_levels(const Surface& surface, const Surfac
   std::sort(own.begin(), own.end());
   const Vec a = exact::vec(pa), e = exact::vec(pb) - a, c = exact::vec(pc) - a, d = exact::vec(pd) - a;
 
-  std::vector<Rational> cuts{0, 1};
+  struct Cut {
+    Rational at;
+    int change;  // of the level, from the source on
+  };
+  std::vector<Cut> cuts{{0, 0}, {1, 0}};
   for (const Index g : piercing) {
     const Vec n = rays.normal(g);
     const Rational from = dot(n, a - exact::vec(rays.corner(g, 0))), along = dot(n, e);
     if (exact::sign(along) == 0) return std::nullopt;
     const Rational t = -from / along;
-    if (exact::sign(t) > 0 && t < 1) cuts.push_back(t);
+    if (exact::sign(t) > 0 && t < 1) cuts.push_back({t, -exact::sign(along)});
   }
-  std::sort(cuts.begin(), cuts.end());
+  std::sort(cuts.begin(), cuts.end(), [](const Cut& x, const Cut& y) { return x.at < y.at; });
 
   const int side = orient3d(pa, pb, pc, pd);  // > 0: reflex inside, so the outer wedge is the narrow one
   const bool fold = side == 0 && exact::sign(dot(exact::cross(e, c), exact::cross(e, d))) > 0;
   std::vector<int> levels;
   for (std::size_t i = 1; i < cuts.size(); ++i) {
-    if (cuts[i - 1] == cuts[i]) continue;
+    if (cuts[i - 1].at == cuts[i].at) continue;
+    // One face alone is passed through its inside: where its border is, its neighbour is cut as well.
+    if (i > 1 && cuts[i - 2].at != cuts[i - 1].at) {
+      levels.push_back(levels.back() + cuts[i - 1].change);
+      continue;
+    }
     bool counted = false;
     for (int attempt = 0; attempt < 12 && !counted; ++attempt) {
       const Rational part(1 + attempt % 4);
-      const Rational t = (part * cuts[i - 1] + cuts[i]) / (part + 1);
+      const Rational t = (part * cuts[i - 1].at + cuts[i].at) / (part + 1);
       // Positive combinations of the two faces' directions lie in the wedge of less than half a turn.
       const double weight = 1 + 0.5 * exact::scatter(attempt);
       const auto length = [](const Vec& x) {

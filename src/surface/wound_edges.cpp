@@ -10,6 +10,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "kernels/parallel/parallel.h"
 #include "src/surface/link.h"
 
 namespace overtet {
@@ -20,7 +21,8 @@ constexpr double kPiercedCost = 1000;  // one pierced edge weighs as much as thi
 constexpr double kLengthCost = 1e-3;   // of an edge of mean length: decides between equal counts only
 constexpr double kClosedCost = 1e6;    // of a closed chain through a hinge, where others may do
 constexpr std::int64_t kMostLinkSteps = 5'000'000;  // of all links: a second or two
-constexpr int kExactEnds = 16;                      // subsets of so many ends are enumerated
+constexpr std::int64_t kEdgeGrain = 16;
+constexpr int kExactEnds = 16;  // subsets of so many ends are enumerated
 constexpr double kFar = std::numeric_limits<double>::infinity();
 
 class Assigner {
@@ -30,6 +32,8 @@ class Assigner {
            const RunContext& context)
       : surface_(surface), topology_(topology), bvh_(bvh), hinges_(hinges), context_(context) {
     for (const PiercedEdge& e : pierced) pierced_.emplace(e.half_edge, &e.faces);
+    if (std::any_of(hinges.begin(), hinges.end(), [](const Hinge& h) { return h.B0 && *h.B0 % 2 != 0; }))
+      study_pierced(pierced);
   }
 
   Result<WoundEdges> run() {
@@ -255,19 +259,36 @@ class Assigner {
     return layers_[r] = found ? value : kUndefined;
   }
 
+  Edge study(Index e, const std::vector<Index>& piercing) const {
+    Edge out;
+    const auto levels = edge_levels(surface_, topology_, bvh_, e, piercing);
+    out.known = levels && !levels->empty();
+    out.levels = out.known ? *levels : std::vector<int>{0};
+    out.least = *std::min_element(out.levels.begin(), out.levels.end());
+    return out;
+  }
+
   const Edge& edge(Index h) {
     const Index e = edge_of(h);
     const auto known = edges_.find(e);
     if (known != edges_.end()) return known->second;
-    Edge out;
     const auto at = pierced_.find(e);
-    const auto levels =
-        edge_levels(surface_, topology_, bvh_, e, at == pierced_.end() ? std::vector<Index>{} : *at->second);
-    out.known = levels && !levels->empty();
-    out.levels = out.known ? *levels : std::vector<int>{0};
-    out.least = *std::min_element(out.levels.begin(), out.levels.end());
-    return edges_.emplace(e, std::move(out)).first->second;
+    return edges_.emplace(e, study(e, at == pierced_.end() ? std::vector<Index>{} : *at->second))
+        .first->second;
   }
+
+  // Floods from odd hinges ask for nearly all of them: all at once, then.
+  void study_pierced(const std::vector<PiercedEdge>& pierced) {
+    std::vector<Edge> found(pierced.size());
+    parallel_for(static_cast<std::int64_t>(pierced.size()), kEdgeGrain,
+                 [&](std::int64_t begin, std::int64_t end) {
+                   for (std::int64_t i = begin; i < end; ++i)
+                     found[i] = study(pierced[i].half_edge, pierced[i].faces);
+                 });
+    for (std::size_t i = 0; i < pierced.size(); ++i)
+      edges_.emplace(pierced[i].half_edge, std::move(found[i]));
+  }
+
   // Whether the levels of the edge are defined.
   bool is_known(Index h) {
     if (!simple(h)) return edge(h).known;
