@@ -4,11 +4,14 @@
 #include <array>
 
 #include "kernels/bvh/self_intersections.h"
+#include "kernels/parallel/parallel.h"
 #include "kernels/predicates/predicates.h"
 
 namespace overtet {
 
 namespace {
+
+constexpr std::int64_t kGrain = 4096;  // vertices, faces
 
 std::string name(const char* what, Index i) { return std::string(what) + " " + std::to_string(i); }
 
@@ -76,19 +79,30 @@ class Checker {
     std::vector<Index> at(begin.begin(), begin.end() - 1);
     for (Index h = 0; h < half_edges; ++h) list[at[low(h)]++] = h;
     check_.topology.twin.assign(half_edges, -1);
-    for (Index v = 0; v < V_.rows(); ++v) {
-      std::sort(list.begin() + begin[v], list.begin() + begin[v + 1],
-                [&](Index x, Index y) { return high(x) != high(y) ? high(x) < high(y) : x < y; });
-      for (Index i = begin[v]; i < begin[v + 1];) {
-        Index j = i + 1;
-        while (j < begin[v + 1] && high(list[j]) == high(list[i])) ++j;
-        edge(&list[i], j - i);
-        i = j;
-      }
-    }
+    const auto wrong = parallel_collect<std::pair<Index, Index>>(
+        V_.rows(), kGrain,
+        [&](std::int64_t from, std::int64_t to, std::vector<std::pair<Index, Index>>& out) {
+          for (std::int64_t v = from; v < to; ++v) {
+            std::sort(list.begin() + begin[v], list.begin() + begin[v + 1],
+                      [&](Index x, Index y) { return high(x) != high(y) ? high(x) < high(y) : x < y; });
+            for (Index i = begin[v]; i < begin[v + 1];) {
+              Index j = i + 1;
+              while (j < begin[v + 1] && high(list[j]) == high(list[i])) ++j;
+              const Index g = list[i], h = list[j - 1];
+              if (j - i == 2 && half_edge_source(F_, g) != half_edge_source(F_, h)) {
+                check_.topology.twin[g] = h;
+                check_.topology.twin[h] = g;
+              } else {
+                out.emplace_back(i, j - i);
+              }
+              i = j;
+            }
+          }
+        });
+    for (const auto& [first, count] : wrong) wrong_edge(&list[first], count);
   }
 
-  void edge(const Index* h, Index count) {
+  void wrong_edge(const Index* h, Index count) {
     const Index a = half_edge_source(F_, h[0]), b = half_edge_target(F_, h[0]);
     if (count == 1) {
       fail(check_.closed, edge_name(a, b) + " belongs to face " + std::to_string(half_edge_face(h[0])) +
@@ -99,15 +113,12 @@ class Checker {
                                       std::to_string(half_edge_face(h[1])) + ", " +
                                       std::to_string(half_edge_face(h[2])) + (count > 3 ? ", ..." : "") +
                                       "); it must be shared by two.");
-    } else if (half_edge_source(F_, h[1]) == a) {
+    } else {
       fail(check_.oriented,
            "Faces " + std::to_string(half_edge_face(h[0])) + " and " + std::to_string(half_edge_face(h[1])) +
                " run the same way along the edge of vertices " + std::to_string(a) + " and " +
                std::to_string(b) +
                ": the faces are not oriented consistently, or the surface has one side only.");
-    } else {
-      check_.topology.twin[h[0]] = h[1];
-      check_.topology.twin[h[1]] = h[0];
     }
   }
 
@@ -228,12 +239,13 @@ Result<SurfaceTopology> require_topology(const Surface& surface) {
 }
 
 std::vector<Index> degenerate_faces(const Surface& surface) {
-  std::vector<Index> out;
-  for (Index f = 0; f < surface.F.rows(); ++f) {
-    const auto p = [&](int k) { return surface.V.data() + 3 * std::int64_t{surface.F(f, k)}; };
-    if (collinear(p(0), p(1), p(2))) out.push_back(f);
-  }
-  return out;
+  return parallel_collect<Index>(
+      surface.F.rows(), kGrain, [&](std::int64_t begin, std::int64_t end, std::vector<Index>& out) {
+        for (Index f = static_cast<Index>(begin); f < end; ++f) {
+          const auto p = [&](int k) { return surface.V.data() + 3 * std::int64_t{surface.F(f, k)}; };
+          if (collinear(p(0), p(1), p(2))) out.push_back(f);
+        }
+      });
 }
 
 }  // namespace overtet
