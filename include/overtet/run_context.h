@@ -42,4 +42,8 @@ struct RunContext {
   }
 };
 
+// What a process may use before the machine swaps or kills it, in bytes: the memory in use now and what
+// is free (/proc/meminfo), or what its control group allows if that is less. 0 where that is not known.
+std::size_t usable_memory_bytes();
+
 }  // namespace overtet

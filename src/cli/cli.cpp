@@ -13,6 +13,8 @@ namespace overtet {
 
 namespace {
 
+constexpr double kFreeMemory = 0.9;  // of what is free, without --memory-limit: the rest is for others
+
 LogLevel level_named(const std::string& name) {
   if (name == "error") return LogLevel::error;
   if (name == "info") return LogLevel::info;
@@ -27,7 +29,7 @@ void add_common(CLI::App& command, CommonOptions& o) {
       ->check(CLI::PositiveNumber);
   command
       .add_option("--memory-limit", o.memory_limit,
-                  "MiB that the program and its children may use together (exit 6)")
+                  "MiB that the program and its children may use together (exit 6; default: what is free)")
       ->check(CLI::PositiveNumber);
   command.add_flag("--quiet,-q", o.quiet, "Say nothing but errors");
   command.add_option("--log-level", o.log_level, "error, warning, info or debug")
@@ -141,7 +143,9 @@ RunContext CommonOptions::context(Terminal& terminal) const {
   if (time_limit > 0 && time_limit < 4e9)
     c.deadline = start + std::chrono::duration_cast<RunContext::Clock::duration>(
                              std::chrono::duration<double>(time_limit));
-  if (memory_limit > 0 && memory_limit < 0x1p43)
+  if (memory_limit == 0)
+    c.memory_limit_bytes = static_cast<std::size_t>(kFreeMemory * static_cast<double>(usable_memory_bytes()));
+  else if (memory_limit < 0x1p43)
     c.memory_limit_bytes = static_cast<std::size_t>(memory_limit * 0x1p20);
   c.threads = threads;
   c.progress = [&terminal](std::string_view stage, double fraction, std::string_view detail) {

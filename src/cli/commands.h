@@ -12,7 +12,7 @@ namespace overtet {
 struct CommonOptions {
   int threads = 0;          // 0: all cores
   double time_limit = 0;    // seconds; 0: none
-  double memory_limit = 0;  // MiB; 0: none
+  double memory_limit = 0;  // MiB; 0: what is free at the start
   bool quiet = false;
   std::string log_level = "warning";
   std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();

@@ -2,7 +2,10 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <fstream>
+#include <limits>
 #include <string>
 
 namespace overtet {
@@ -16,6 +19,16 @@ std::size_t resident_bytes() {
   const int got = std::fscanf(statm, "%lu %lu", &total, &resident);
   std::fclose(statm);
   return got == 2 ? resident * static_cast<std::size_t>(sysconf(_SC_PAGESIZE)) : 0;
+}
+
+// The number that a file begins with, or that follows `key` in it; `none` where there is no such number.
+std::size_t number_in(const std::string& file, const std::string& key, std::size_t none) {
+  std::ifstream in(file);
+  std::string word;
+  while (!key.empty() && word != key)
+    if (!(in >> word)) return none;
+  std::size_t number = 0;
+  return in >> number ? number : none;
 }
 
 std::string mebibytes(std::size_t bytes) { return std::to_string(bytes >> 20) + " MiB"; }
@@ -35,8 +48,31 @@ std::optional<Error> RunContext::no_room_for(std::size_t bytes) const {
   const std::size_t now = resident_bytes();
   if (now + bytes <= memory_limit_bytes) return std::nullopt;
   return Error{ErrorCode::limit, "The memory limit of " + mebibytes(memory_limit_bytes) +
-                                     " would be passed (" + mebibytes(now) + " in use, " +
-                                     mebibytes(bytes) + " more needed); allow more with --memory-limit."};
+                                     " would be passed (" + mebibytes(now) + " in use, " + mebibytes(bytes) +
+                                     " more needed); allow more with --memory-limit."};
+}
+
+std::size_t usable_memory_bytes() {
+  constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+  std::size_t usable = none;
+  if (const std::size_t free = number_in("/proc/meminfo", "MemAvailable:", none); free != none)
+    usable = resident_bytes() + free * 1024;
+  // A line a hierarchy: number:controllers:path. The second version has one for all, without a name.
+  std::ifstream groups("/proc/self/cgroup");
+  for (std::string line; std::getline(groups, line);) {
+    const std::size_t first = line.find(':'), second = line.find(':', first + 1);
+    if (second == std::string::npos) continue;
+    const std::string controllers = line.substr(first + 1, second - first - 1),
+                      path = line.substr(second + 1);
+    if (controllers.empty())
+      for (const std::string& at : {path, std::string()})
+        usable = std::min(usable, number_in("/sys/fs/cgroup" + at + "/memory.max", "", none));
+    else if (controllers == "memory")
+      for (const std::string& at : {path, std::string()})
+        usable =
+            std::min(usable, number_in("/sys/fs/cgroup/memory" + at + "/memory.limit_in_bytes", "", none));
+  }
+  return usable == none ? 0 : usable;
 }
 
 double RunContext::seconds_left() const {

@@ -1,6 +1,7 @@
 // The program from outside: every exit code, what it writes and what it leaves behind.
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -9,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "src/cli/commands.h"
 #include "src/io/surface_io.h"
 #include "src/io/tet_io.h"
 #include "tests/support/files.h"
@@ -378,6 +380,19 @@ TEST_F(Cli, MemoryLimit) {
     EXPECT_NE(r.err.find("memory"), std::string::npos) << r.err;
     EXPECT_EQ(folder_.entries(), 1);
   }
+}
+
+TEST_F(Cli, WhatIsFreeIsTheMemoryLimitUnlessOneIsGiven) {
+  const std::size_t usable = usable_memory_bytes();
+  EXPECT_GT(usable, std::size_t{16} << 20);
+  EXPECT_LE(usable, static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGESIZE));
+  Terminal terminal(LogLevel::error, true);
+  CommonOptions options;
+  const std::size_t limit = options.context(terminal).memory_limit_bytes;
+  EXPECT_GT(limit, usable / 2);
+  EXPECT_LT(limit, usable + usable / 4);
+  options.memory_limit = 100;
+  EXPECT_EQ(options.context(terminal).memory_limit_bytes, std::size_t{100} << 20);
 }
 
 TEST_F(Cli, InterruptsLeaveNothingBehind) {
