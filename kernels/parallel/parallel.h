@@ -28,6 +28,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <type_traits>
@@ -119,6 +120,20 @@ std::vector<T> parallel_collect(std::int64_t n, std::int64_t grain, Append&& app
   all.reserve(total);
   for (auto& part : parts) all.insert(all.end(), part.begin(), part.end());
   return all;
+}
+
+// f(i) for i = 0 .. n-1, handed out one by one in this order: for tasks of unequal cost, the dearest first.
+template <class F>
+void parallel_tasks(std::int64_t n, F&& f) {
+  const std::int64_t workers = std::min<std::int64_t>(n, thread_cap());
+  if (workers <= 1) {
+    parallel_for(n, 1, [&](std::int64_t i, std::int64_t) { f(i); });
+    return;
+  }
+  std::atomic<std::int64_t> next{0};
+  parallel_for(workers, 1, [&](std::int64_t, std::int64_t) {
+    for (std::int64_t i; (i = next.fetch_add(1, std::memory_order_relaxed)) < n;) f(i);
+  });
 }
 
 // Both functions, at the same time where threads allow. They must not write what the other one uses.

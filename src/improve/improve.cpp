@@ -15,7 +15,12 @@ namespace overtet {
 
 namespace {
 
-constexpr int kMostParts = 256;  // enough for many threads; every cut costs a little
+// Enough for many threads; every cut costs a little. A mesh that is cut at all is cut for the passes into so
+// many parts at least: what they cost is known only afterwards, and a thread that is done early finds another
+// one.
+constexpr int kMostParts = 256, kLeastParts = 8;
+// In a round around cuts, and in a look: tets in a part, at least.
+constexpr std::int64_t kTetsAroundCuts = 3000, kTetsPerLook = 500;
 // Refinement makes do with two: where nothing is inside yet, tets reach from one side to the other, and what
 // more cuts leave in between costs more than they save.
 constexpr int kRefineParts = 2;
@@ -30,7 +35,12 @@ constexpr double kLookAgain = 0.5;
 constexpr double kWorstOfAll = 1.5;
 constexpr double kLookPays = 1.05;
 constexpr int kMostLooks = 8;
-constexpr std::int64_t kTetsPerLook = 2000;  // in a part, at least
+// What a tet that has to be worked on costs, in tets that have not.
+constexpr int kBadTetWeight = 15, kBadToRefineWeight = 10;
+// Where what hangs together makes parts that differ by less than this factor nothing is cut.
+constexpr double kUneven = 1.3;
+// Cuts may be so far from where they give even parts. Parts to refine are as many as threads, or fewer.
+constexpr double kSlack = 0.15, kSlackToRefine = 0.03;
 // Refinement may at most multiply the tets by this.
 constexpr std::int64_t kRefinedGrowth = 5;
 // Below this smallest dihedral sine (3 degrees) vertices inside are taken out where that helps.
@@ -50,21 +60,26 @@ struct PartResult {
   PassesResult passes;
 };
 
-// loose: of the whole mesh's vertices, see refine().
-PartResult improve_part(MeshPart& part, Work what, std::span<const char> loose, const ImproveOptions& options,
-                        double seconds, const RunContext& context) {
+// loose: of the whole mesh's vertices, see refine(). fresh: the same, see improve_passes(); empty: all.
+PartResult improve_part(MeshPart& part, Work what, std::span<const char> loose, std::span<const char> fresh,
+                        const ImproveOptions& options, double seconds, const RunContext& context) {
   PartResult result;
   LocalOperations work(part.complex);
   part.mark_shared(work);
+  const auto here = [&](std::span<const char> all) {
+    std::vector<char> of_part;
+    if (!all.empty())
+      for (const Index v : part.vertex) of_part.push_back(all[v]);
+    return of_part;
+  };
   if ((what == Work::refine || what == Work::both) && options.radius_edge > 0) {
-    std::vector<char> here;
-    for (const Index v : part.vertex) here.push_back(loose[v]);
-    contract_loose(work, here, kLooseQuality, context);
-    result.refined =
-        refine(work, options.radius_edge, here, kRefinedGrowth * part.complex.tet_count() + 1000, context);
+    const std::vector<char> loose_here = here(loose);
+    contract_loose(work, loose_here, kLooseQuality, context);
+    result.refined = refine(work, options.radius_edge, loose_here,
+                            kRefinedGrowth * part.complex.tet_count() + 1000, context);
   }
   if (what != Work::refine)
-    result.passes = improve_passes(work, options, what == Work::look, seconds, context);
+    result.passes = improve_passes(work, here(fresh), options, what == Work::look, seconds, context);
   return result;
 }
 
@@ -148,24 +163,18 @@ std::vector<char> unfinished(const TetMesh& mesh, std::span<const char> shared, 
   });
 }
 
-// As halve(), but tets with a common vertex are in the same part.
-std::vector<int> in_pieces(const TetMesh& mesh, std::span<const Index> chosen, int parts) {
-  std::vector<int> part_of = halve(mesh, chosen, parts);
-  std::vector<Index> up(static_cast<std::size_t>(mesh.V.rows()));
-  std::iota(up.begin(), up.end(), 0);
-  const auto root = [&](Index v) {
-    while (up[v] != v) v = up[v] = up[up[v]];
-    return v;
-  };
-  for (const Index t : chosen)
-    for (int k = 1; k < 4; ++k) up[root(mesh.T(t, k))] = root(mesh.T(t, 0));
-  std::vector<int> part(up.size(), -1);  // of a piece, by its root: the part of its first tet
-  for (const Index t : chosen) {
-    int& p = part[root(mesh.T(t, 0))];
-    if (p < 0) p = part_of[t];
-    part_of[t] = p;
-  }
-  return part_of;
+// How the tets are weighed when they are shared out.
+std::vector<int> weights(const TetMesh& mesh, std::span<const Index> chosen, Work what,
+                         const ImproveOptions& options) {
+  const double target = sine_of(options.target_degrees);
+  std::vector<int> weight(chosen.size());
+  parallel_for(static_cast<std::int64_t>(chosen.size()), kGrain, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i)
+      weight[i] = what == Work::refine
+                      ? (radius_edge(mesh, chosen[i]) > options.radius_edge ? kBadToRefineWeight : 1)
+                      : (quality(mesh, chosen[i]) < target ? kBadTetWeight : 1);
+  });
+  return weight;
 }
 
 void add(ImproveResult& sum, const PartResult& part, std::size_t first_pass) {
@@ -220,15 +229,21 @@ Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, cons
   std::vector<char> loose(static_cast<std::size_t>(mesh.V.rows()), 1);  // the inside's, as given
   std::fill(loose.begin(), loose.begin() + mesh.surface_vertices, 0);
 
-  // One round: all parts at the same time. Returns the vertices that several parts shared.
-  const auto round = [&](Work what, const std::vector<int>& part_of, int count) {
+  // One round: all parts at the same time, the heaviest first. Returns the vertices that several parts
+  // shared.
+  const auto round = [&](Work what, const std::vector<int>& part_of, int count, std::span<const Index> chosen,
+                         std::span<const int> weight, std::span<const char> fresh) {
     const std::size_t first_pass = result.passes.size();
     std::vector<MeshPart> parts = take_parts(mesh, part_of, count);
     std::vector<PartResult> results(parts.size());
     const double seconds = std::max(0.0, budget - since_begin());
-    parallel_for(count, 1, [&](std::int64_t first, std::int64_t last) {
-      for (std::int64_t p = first; p < last; ++p)
-        results[p] = improve_part(parts[p], what, loose, options, seconds, silent);
+    std::vector<std::pair<std::int64_t, int>> order(parts.size());
+    for (int p = 0; p < count; ++p) order[p].second = p;
+    for (std::size_t i = 0; i < chosen.size(); ++i) order[part_of[chosen[i]]].first -= weight[i];
+    std::sort(order.begin(), order.end());
+    parallel_tasks(count, [&](std::int64_t i) {
+      const int p = order[i].second;
+      results[p] = improve_part(parts[p], what, loose, fresh, options, seconds, silent);
     });
     for (const PartResult& part : results) add(result, part, first_pass);
     result.rounds.push_back(count);
@@ -246,35 +261,49 @@ Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, cons
     loose = std::move(still_loose);
     return shared;
   };
-  // All tets, then what is unfinished around the cuts, until that is in one part. most_parts: in a round.
-  const auto rounds = [&](Work what, int most_parts) {
+  // All tets, then what is unfinished around the cuts, until nothing was cut.
+  const auto rounds = [&](Work what) {
     std::vector<Index> chosen(static_cast<std::size_t>(mesh.T.rows()));
     std::iota(chosen.begin(), chosen.end(), 0);
+    std::vector<char> fresh;
+    int count = what == Work::both ? 1
+                : what == Work::refine
+                    ? kRefineParts
+                    : std::max(kLeastParts, parts_for(chosen.size(), options.tets_per_part));
     while (!chosen.empty()) {
-      const int count = std::min(most_parts, parts_for(chosen.size(), options.tets_per_part));
       context.report("improve",
                      what == Work::refine       ? 0
                      : result.rounds.size() < 3 ? 0.3
                                                 : 0.8,
                      std::to_string(chosen.size()) + " tets in " + std::to_string(count) + " parts");
-      const std::vector<char> shared = round(what, halve(mesh, chosen, count), count);
+      const std::vector<int> weight = weights(mesh, chosen, what, options);
+      Pieces pieces;
+      if (!fresh.empty()) pieces = in_pieces(mesh, chosen, count, weight);
+      if (fresh.empty() || pieces.uneven > kUneven)
+        pieces.part_of =
+            cut_apart(mesh, chosen, count, what == Work::refine ? kSlackToRefine : kSlack, weight);
+      fresh = round(what, pieces.part_of, count, chosen, weight, fresh);
       if (count == 1 || context.stop()) return;
       const auto before = static_cast<double>(chosen.size());
-      chosen = around(mesh, unfinished(mesh, shared, what, options));
+      chosen = around(mesh, unfinished(mesh, fresh, what, options));
       if (static_cast<double>(chosen.size()) > kShrinks * before) return;
-      if (what == Work::refine) most_parts = 1;
+      // Fewer, so that the cuts are not where they were before.
+      count = std::min(count, parts_for(chosen.size(), kTetsAroundCuts)) / 2 + 1;
+      if (what == Work::refine || count == 2) count = 1;
     }
   };
   const bool cut = parts_for(static_cast<std::size_t>(mesh.T.rows()), options.tets_per_part) > 1;
-  if (cut && options.radius_edge > 0) rounds(Work::refine, kRefineParts);
-  rounds(cut ? Work::passes : Work::both, kMostParts);
+  if (cut && options.radius_edge > 0) rounds(Work::refine);
+  rounds(cut ? Work::passes : Work::both);
 
   // Bad tets wherever they are, with all that is around them.
   const auto look_at = [&](Work what, double sine) {
     const std::vector<Index> chosen =
         around(mesh, corners_of(mesh, [&](Index t) { return quality(mesh, t) < sine; }));
-    const int count = parts_for(chosen.size(), kTetsPerLook);
-    if (!chosen.empty() && !context.stop()) round(what, in_pieces(mesh, chosen, count), count);
+    const int count = std::min(kLeastParts, parts_for(chosen.size(), kTetsPerLook));
+    if (chosen.empty() || context.stop()) return;
+    const std::vector<int> weight = weights(mesh, chosen, what, options);
+    round(what, in_pieces(mesh, chosen, count, weight).part_of, count, chosen, weight, {});
   };
   if (cut) look_at(Work::passes, sine_of(kLookAgain * options.target_degrees));
   double worst = worst_quality(mesh);

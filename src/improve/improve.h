@@ -37,7 +37,7 @@ struct ImproveOptions {
   // At most this many times the tets of a part are worked on, so that needles of the boundary that nothing
   // can improve cost a bounded effort. A count and not a time: the result must not depend on the machine.
   double effort = 4;
-  // A mesh of more than twice as many is cut into parts.
+  // A mesh of more than twice as many is cut into parts: two for refinement, eight or more for the passes.
   std::int64_t tets_per_part = 40000;
   // Of wall time, where the caller wants one; at most half of what the context has left is used.
   double seconds = 1e9;

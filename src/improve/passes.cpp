@@ -28,8 +28,8 @@ constexpr Gains kPays{1.05, 1.2}, kAny{1.001, 1.001};
 
 }  // namespace
 
-PassesResult improve_passes(LocalOperations& work, const ImproveOptions& options, bool by_all_means,
-                            double seconds, const RunContext& context) {
+PassesResult improve_passes(LocalOperations& work, std::span<const char> fresh, const ImproveOptions& options,
+                            bool by_all_means, double seconds, const RunContext& context) {
   const Gains gains = by_all_means ? kAny : kPays;
   work.be_thorough(by_all_means);
   const auto begin = RunContext::Clock::now();
@@ -62,8 +62,20 @@ PassesResult improve_passes(LocalOperations& work, const ImproveOptions& options
     return true;
   };
 
+  if (!fresh.empty())
+    for (Index t = 0; t < mesh.tet_capacity(); ++t)
+      if (mesh.alive(t) && std::none_of(mesh.tet(t).begin(), mesh.tet(t).end(),
+                                        [&](Index v) { return v < Index(fresh.size()) && fresh[v]; }))
+        attempts[t] = {0, true};
+  const auto last_touched = [&](const TetComplex::Tet& c) {
+    return std::max({touched[c[0]], touched[c[1]], touched[c[2]], touched[c[3]]});
+  };
+
   const auto rank = [&](Index t) -> std::optional<double> {
-    return work.quality(t) < target ? std::optional(work.quality(t)) : std::nullopt;
+    if (!(work.quality(t) < target)) return std::nullopt;
+    const bool resisted_before = t < Index(attempts.size()) && attempts[t].time == 0;
+    if (resisted_before && last_touched(mesh.tet(t)) == 0) return std::nullopt;
+    return work.quality(t);
   };
   // What touches a cut is worked on with more around it in the next round; here it gets the cheap means only.
   const auto at_cut = [&](const TetComplex::Tet& c) {
@@ -105,9 +117,7 @@ PassesResult improve_passes(LocalOperations& work, const ImproveOptions& options
       const auto c = b.corners;
       if (b.tet < static_cast<Index>(attempts.size())) {
         const Attempt& last = attempts[b.tet];
-        if ((last.strong || !strong) &&
-            last.time >= std::max({touched[c[0]], touched[c[1]], touched[c[2]], touched[c[3]]}))
-          continue;
+        if ((last.strong || !strong) && last.time >= last_touched(c)) continue;
       }
       if (--effort_left < 0) {
         result.end = ImproveResult::End::effort_spent;

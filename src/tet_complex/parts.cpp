@@ -12,9 +12,35 @@ namespace overtet {
 
 namespace {
 
-struct Centre {
-  double x[3];
+constexpr std::int64_t kGrain = 4096;  // tets
+
+// A tet's box, for cuts across the axes.
+struct Box {
+  float low[3], high[3];
   Index tet;
+  int weight;
+};
+
+// Places where a plane may cut.
+constexpr int kPlaces = 64;
+
+// For one axis: weights by the places of the tets' ends and middles.
+struct Places {
+  std::array<std::int64_t, kPlaces> low{}, high{}, middle{};
+  void add(const Places& other) {
+    for (int i = 0; i < kPlaces; ++i) {
+      low[i] += other.low[i];
+      high[i] += other.high[i];
+      middle[i] += other.middle[i];
+    }
+  }
+};
+
+// Places along an axis.
+struct Ruler {
+  float begin = 0, scale = 0;
+  int place(float x) const { return std::clamp(static_cast<int>((x - begin) * scale), 0, kPlaces - 1); }
+  int middle(const Box& b, int axis) const { return place((b.low[axis] + b.high[axis]) / 2); }
 };
 
 // The part's tets around a shared edge, for the comparison with its ring.
@@ -85,56 +111,184 @@ void MeshPart::mark_shared(LocalOperations& work) const {
   for (const Index v : pinched) work.share(v, true);
 }
 
-std::vector<int> halve(const TetMesh& mesh, std::span<const Index> chosen, int parts) {
-  std::vector<Centre> centres(chosen.size());
-  for (std::size_t i = 0; i < chosen.size(); ++i) {
-    centres[i].tet = chosen[i];
-    for (int k = 0; k < 3; ++k) {
-      double sum = 0;
-      for (int j = 0; j < 4; ++j) sum += mesh.V(mesh.T(chosen[i], j), k);
-      centres[i].x[k] = sum;
-    }
-  }
+std::vector<int> cut_apart(const TetMesh& mesh, std::span<const Index> chosen, int parts, double slack,
+                           std::span<const int> weight) {
   std::vector<int> part_of(static_cast<std::size_t>(mesh.T.rows()), -1);
-  for (const Index t : chosen) part_of[t] = 0;
-  const auto cut = [&](const auto& self, std::size_t begin, std::size_t end, int first, int count) -> void {
-    if (count == 1) {
-      for (std::size_t i = begin; i < end; ++i) part_of[centres[i].tet] = first;
+  std::vector<Box> boxes(chosen.size());
+  parallel_for(static_cast<std::int64_t>(chosen.size()), kGrain, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i) {
+      Box& b = boxes[i];
+      b.tet = chosen[i];
+      b.weight = weight.empty() ? 1 : weight[i];
+      for (int k = 0; k < 3; ++k) {
+        b.low[k] = b.high[k] = static_cast<float>(mesh.V(mesh.T(chosen[i], 0), k));
+        for (int j = 1; j < 4; ++j) {
+          const auto x = static_cast<float>(mesh.V(mesh.T(chosen[i], j), k));
+          b.low[k] = std::min(b.low[k], x);
+          b.high[k] = std::max(b.high[k], x);
+        }
+      }
+    }
+  });
+  const auto cut = [&](const auto& self, std::span<Box> here, int first, int count) -> void {
+    if (count == 1 || here.empty()) {
+      for (const Box& b : here) part_of[b.tet] = first;
       return;
     }
-    std::array<double, 3> low, high;
-    low.fill(1e300), high.fill(-1e300);
-    for (std::size_t i = begin; i < end; ++i)
-      for (int k = 0; k < 3; ++k) {
-        low[k] = std::min(low[k], centres[i].x[k]);
-        high[k] = std::max(high[k], centres[i].x[k]);
+    const auto n = static_cast<std::int64_t>(here.size());
+    struct Extent {
+      std::array<float, 3> low, high;
+    } none;
+    none.low.fill(HUGE_VALF), none.high.fill(-HUGE_VALF);
+    const Extent extent = parallel_reduce(
+        n, 4 * kGrain, none,
+        [&](std::int64_t begin, std::int64_t end) {
+          Extent e = none;
+          for (std::int64_t i = begin; i < end; ++i)
+            for (int k = 0; k < 3; ++k) {
+              e.low[k] = std::min(e.low[k], here[i].low[k]);
+              e.high[k] = std::max(e.high[k], here[i].high[k]);
+            }
+          return e;
+        },
+        [](Extent x, const Extent& y) {
+          for (int k = 0; k < 3; ++k) {
+            x.low[k] = std::min(x.low[k], y.low[k]);
+            x.high[k] = std::max(x.high[k], y.high[k]);
+          }
+          return x;
+        });
+    std::array<Ruler, 3> rulers;
+    for (int k = 0; k < 3; ++k)
+      rulers[k] = {extent.low[k],
+                   extent.high[k] > extent.low[k] ? kPlaces / (extent.high[k] - extent.low[k]) : 0};
+    using AllPlaces = std::array<Places, 3>;
+    const AllPlaces places = parallel_reduce(
+        n, 4 * kGrain, AllPlaces{},
+        [&](std::int64_t begin, std::int64_t end) {
+          AllPlaces p{};
+          for (std::int64_t i = begin; i < end; ++i)
+            for (int k = 0; k < 3; ++k) {
+              const Box& b = here[i];
+              p[k].low[rulers[k].place(b.low[k])] += b.weight;
+              p[k].high[rulers[k].place(b.high[k])] += b.weight;
+              p[k].middle[rulers[k].middle(b, k)] += b.weight;
+            }
+          return p;
+        },
+        [](AllPlaces x, const AllPlaces& y) {
+          for (int k = 0; k < 3; ++k) x[k].add(y[k]);
+          return x;
+        });
+    const int left = count / 2;
+    const auto all =
+        static_cast<double>(std::accumulate(places[0].low.begin(), places[0].low.end(), std::int64_t{0}));
+    const double wanted = all * left / count, most_off = slack * all;
+    int axis = -1, place = 0;
+    double least_met = HUGE_VAL, least_off = HUGE_VAL;
+    for (int k = 0; k < 3; ++k) {
+      std::int64_t begun = 0, ended = 0, before = 0;
+      for (int p = 1; p < kPlaces; ++p) {
+        begun += places[k].low[p - 1];
+        ended += places[k].high[p - 1];
+        before += places[k].middle[p - 1];
+        const auto met = static_cast<double>(begun - ended);
+        const double off = std::abs(static_cast<double>(before) - wanted);
+        if (off > most_off || !(met < least_met || (met == least_met && off < least_off))) continue;
+        axis = k, place = p;
+        least_met = met, least_off = off;
       }
-    int axis = 0;
-    for (int k = 1; k < 3; ++k)
-      if (high[k] - low[k] > high[axis] - low[axis]) axis = k;
-    const std::size_t middle = begin + (end - begin) / 2;
-    const auto at = [&](std::size_t i) { return centres.begin() + static_cast<std::ptrdiff_t>(i); };
-    std::nth_element(at(begin), at(middle), at(end), [axis](const Centre& x, const Centre& y) {
-      return x.x[axis] != y.x[axis] ? x.x[axis] < y.x[axis] : x.tet < y.tet;
-    });
-    parallel_invoke([&] { self(self, begin, middle, first, count / 2); },
-                    [&] { self(self, middle, end, first + count / 2, count / 2); });
+    }
+    std::size_t middle = 0;
+    if (axis >= 0) {
+      const Ruler ruler = rulers[axis];
+      middle = static_cast<std::size_t>(
+          std::partition(here.begin(), here.end(),
+                         [&](const Box& b) { return ruler.middle(b, axis) < place; }) -
+          here.begin());
+    } else {
+      // No place will do (few tets, or large ones): the exact one along the longest side.
+      axis = 0;
+      for (int k = 1; k < 3; ++k)
+        if (extent.high[k] - extent.low[k] > extent.high[axis] - extent.low[axis]) axis = k;
+      std::sort(here.begin(), here.end(), [axis](const Box& x, const Box& y) {
+        const float p = x.low[axis] + x.high[axis], q = y.low[axis] + y.high[axis];
+        return p != q ? p < q : x.tet < y.tet;
+      });
+      for (double before = 0; middle < here.size() && before + here[middle].weight <= wanted; ++middle)
+        before += here[middle].weight;
+    }
+    parallel_invoke([&] { self(self, here.subspan(0, middle), first, left); },
+                    [&] { self(self, here.subspan(middle), first + left, count - left); });
   };
-  cut(cut, 0, centres.size(), 0, parts);
+  cut(cut, boxes, 0, parts);
   return part_of;
+}
+
+Pieces in_pieces(const TetMesh& mesh, std::span<const Index> chosen, int parts, std::span<const int> weight) {
+  std::vector<Index> up(static_cast<std::size_t>(mesh.V.rows()));
+  std::iota(up.begin(), up.end(), 0);
+  const auto root = [&](Index v) {
+    while (up[v] != v) v = up[v] = up[up[v]];
+    return v;
+  };
+  for (const Index t : chosen)
+    for (int k = 1; k < 4; ++k) up[root(mesh.T(t, k))] = root(mesh.T(t, 0));
+  struct Piece {
+    std::int64_t weight = 0;
+    int number = 0;  // in the order of their first tets
+  };
+  std::vector<int> piece_at(up.size(), -1);  // by root
+  std::vector<Piece> pieces;
+  std::vector<int> piece_of(chosen.size());
+  std::int64_t all = 0;
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    int& p = piece_at[root(mesh.T(chosen[i], 0))];
+    if (p < 0) {
+      p = static_cast<int>(pieces.size());
+      pieces.push_back({0, p});
+    }
+    pieces[p].weight += weight[i];
+    piece_of[i] = p;
+    all += weight[i];
+  }
+  // The heaviest first, each to the part that has least.
+  std::vector<Piece> sorted = pieces;
+  std::sort(sorted.begin(), sorted.end(), [](const Piece& x, const Piece& y) {
+    return x.weight != y.weight ? x.weight > y.weight : x.number < y.number;
+  });
+  std::vector<std::int64_t> load(parts, 0);
+  std::vector<int> part_of_piece(pieces.size());
+  for (const Piece& piece : sorted) {
+    const auto least = std::min_element(load.begin(), load.end());
+    part_of_piece[piece.number] = static_cast<int>(least - load.begin());
+    *least += piece.weight;
+  }
+  Pieces result;
+  result.part_of.assign(static_cast<std::size_t>(mesh.T.rows()), -1);
+  for (std::size_t i = 0; i < chosen.size(); ++i) result.part_of[chosen[i]] = part_of_piece[piece_of[i]];
+  if (all > 0)
+    result.uneven =
+        static_cast<double>(*std::max_element(load.begin(), load.end())) * parts / static_cast<double>(all);
+  return result;
 }
 
 std::vector<MeshPart> take_parts(const TetMesh& mesh, std::span<const int> part_of, int parts) {
   constexpr int kSeveral = -2, kNone = -3;
   std::vector<int> owner(static_cast<std::size_t>(mesh.V.rows()), kNone);  // the only part, -1: none of them
   std::vector<std::vector<Index>> tets(parts);
-  for (Index t = 0; t < mesh.T.rows(); ++t) {
-    if (part_of[t] >= 0) tets[part_of[t]].push_back(t);
-    for (int k = 0; k < 4; ++k) {
-      int& o = owner[mesh.T(t, k)];
-      o = o == kNone || o == part_of[t] ? part_of[t] : kSeveral;
-    }
-  }
+  parallel_invoke(
+      [&] {
+        for (Index t = 0; t < mesh.T.rows(); ++t)
+          if (part_of[t] >= 0) tets[part_of[t]].push_back(t);
+      },
+      [&] {
+        for (Index t = 0; t < mesh.T.rows(); ++t)
+          for (int k = 0; k < 4; ++k) {
+            int& o = owner[mesh.T(t, k)];
+            o = o == kNone || o == part_of[t] ? part_of[t] : kSeveral;
+          }
+      });
   std::vector<MeshPart> result(parts);
   parallel_for(parts, 1, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t p = begin; p < end; ++p) {

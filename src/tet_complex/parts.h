@@ -29,9 +29,19 @@ struct MeshPart {
   void mark_shared(LocalOperations& work) const;
 };
 
-// Numbers 0 .. parts - 1 for the `chosen` tets (others get -1) by cutting the tets' centres in halves, across
-// the longest side of their box, again and again. parts: a power of two.
-std::vector<int> halve(const TetMesh& mesh, std::span<const Index> chosen, int parts);
+// Numbers 0 .. parts - 1 for the `chosen` tets (others get -1) by planes across an axis, again and again,
+// each where it meets little weight and leaves on both sides what the numbers of parts ask for, or up to
+// `slack` (of the whole that it cuts) more or less. weight: of each chosen tet, > 0; empty: all the same.
+std::vector<int> cut_apart(const TetMesh& mesh, std::span<const Index> chosen, int parts, double slack,
+                           std::span<const int> weight = {});
+
+// The same without any cut: tets with a common vertex are in the same part; otherwise the weights are as
+// equal as they can be made.
+struct Pieces {
+  std::vector<int> part_of;
+  double uneven = 1;  // the heaviest part over the mean of all
+};
+Pieces in_pieces(const TetMesh& mesh, std::span<const Index> chosen, int parts, std::span<const int> weight);
 
 // One part for each number that occurs; tets with -1 are in none.
 std::vector<MeshPart> take_parts(const TetMesh& mesh, std::span<const int> part_of, int parts);

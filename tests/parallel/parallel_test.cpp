@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <random>
 #include <stdexcept>
@@ -102,6 +103,26 @@ TEST(Parallel, ProcessWideCap) {
   EXPECT_EQ(thread_cap(), 3);
   set_thread_cap(0);
   EXPECT_GE(thread_cap(), 1);
+}
+
+TEST(Parallel, TasksAreTakenInOrderAndOnce) {
+  for (const int threads : {1, 2, 3}) {
+    const ScopedThreads scope(threads);
+    std::vector<std::atomic<int>> runs(100);
+    std::vector<int> when(100);
+    std::atomic<int> clock{0};
+    parallel_tasks(100, [&](std::int64_t i) {
+      when[i] = clock++;
+      ++runs[i];
+    });
+    for (int i = 0; i < 100; ++i) {
+      EXPECT_EQ(1, runs[i]);
+      if (threads == 1) {
+        EXPECT_EQ(i, when[i]);
+      }
+    }
+  }
+  parallel_tasks(0, [](std::int64_t) { FAIL(); });
 }
 
 TEST(Parallel, InvokeRunsBoth) {
