@@ -3,9 +3,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <optional>
 #include <set>
 
+#include "kernels/parallel/parallel.h"
 #include "kernels/predicates/predicates.h"
 
 namespace overtet {
@@ -41,6 +44,8 @@ constexpr int kShrinkings = 64;
 
 // Rounds in which the surface's vertices return to their places; one is the rule.
 constexpr int kHomeRounds = 16;
+
+constexpr std::int64_t kGrain = 32;  // points
 
 Triple sorted(Triple t) {
   std::sort(t.begin(), t.end());
@@ -82,14 +87,7 @@ class Clearer {
       queue_ = std::move(left);
     }
     result_.left = queue_;
-    std::vector<Triple> walls;
-    for (int sweep = 0; sweep < kSweeps && !context_.stop(); ++sweep)
-      for (const Index v : points_) {
-        if (complex_.on_boundary(v)) continue;
-        find_walls(v, walls);
-        Vector3d target;
-        if (find_position(v, walls, 0, target)) complex_.move(v, target);
-      }
+    spread();
     if (!std::isfinite(result_.smallest_clearance)) result_.smallest_clearance = 0;
     return result_;
   }
@@ -124,6 +122,45 @@ class Clearer {
       return share == 1;
     }
     return false;
+  }
+
+  // All added points look for more room. Those of one colour have no tet in common, so they may do so at the
+  // same time; from now on only positions change.
+  void spread() {
+    std::vector<Index> inside;
+    std::vector<std::vector<Triple>> walls;
+    std::vector<int> colour(static_cast<std::size_t>(complex_.vertex_count()), -1);
+    std::vector<std::vector<std::size_t>> coloured;  // rows of `inside`
+    std::vector<char> taken;
+    for (const Index v : points_) {
+      if (complex_.on_boundary(v)) continue;
+      find_walls(v, walls.emplace_back());
+      taken.assign(coloured.size() + 1, 0);
+      for (const Triple& w : walls.back())
+        for (const Index u : w)
+          if (colour[u] >= 0) taken[colour[u]] = 1;
+      colour[v] = static_cast<int>(std::find(taken.begin(), taken.end(), 0) - taken.begin());
+      if (colour[v] == static_cast<int>(coloured.size())) coloured.emplace_back();
+      coloured[colour[v]].push_back(inside.size());
+      inside.push_back(v);
+    }
+    for (int sweep = 0; sweep < kSweeps && !context_.stop(); ++sweep)
+      for (const auto& rows : coloured)
+        result_.smallest_clearance = parallel_reduce(
+            static_cast<std::int64_t>(rows.size()), kGrain, result_.smallest_clearance,
+            [&](std::int64_t begin, std::int64_t end) {
+              Search search;
+              double smallest = std::numeric_limits<double>::infinity();
+              for (std::int64_t i = begin; i < end; ++i) {
+                const Index v = inside[rows[i]];
+                const auto place = find_place(v, walls[rows[i]], 0, search);
+                if (!place) continue;
+                complex_.move(v, place->position);
+                smallest = std::min(smallest, place->clearance);
+              }
+              return smallest;
+            },
+            [](double x, double y) { return std::min(x, y); });
   }
 
   const double* at(Index v) const { return complex_.position(v).data(); }
@@ -168,8 +205,7 @@ class Clearer {
     for (const Index u : neighbours) {
       if (complex_.on_boundary(u)) continue;
       find_walls(u, walls);
-      Vector3d target;
-      if (find_position(u, walls, 0, target)) complex_.move(u, target);
+      if (const auto place = find_place(u, walls, 0, search_)) move(u, *place);
     }
   }
 
@@ -241,10 +277,9 @@ class Clearer {
     // Outward caps seen from inside turn the other way.
     std::vector<Triple> sides = walls;
     for (const Triple& c : caps) sides.push_back({c[0], c[2], c[1]});
-    Vector3d target;
-    if (!find_position(v, sides, least_clearance_, target)) return false;
-
-    complex_.move(v, target);
+    const auto place = find_place(v, sides, least_clearance_, search_);
+    if (!place) return false;
+    move(v, *place);
     // The star is replaced by itself and the caps, so that the caps find their neighbours in it.
     std::vector<TetComplex::Tet> tets;
     for (const Index t : star_) tets.push_back(complex_.tet(t));
@@ -542,24 +577,42 @@ class Clearer {
                        [&](const Triple& s) { return orient3d(at(s[0]), at(s[1]), at(s[2]), x.data()) > 0; });
   }
 
+  struct Place {
+    Vector3d position;
+    double clearance;  // from the closest half-space
+  };
+
+  void move(Index v, const Place& place) {
+    complex_.move(v, place.position);
+    result_.smallest_clearance = std::min(result_.smallest_clearance, place.clearance);
+  }
+
+  // What find_place() works with: the half-spaces, and how far a point and the next one lie in them.
+  struct Search {
+    std::vector<HalfSpace> spaces;
+    std::vector<double> distance, there;
+
+    double measure(const Vector3d& x, std::vector<double>& into) const {
+      double least = std::numeric_limits<double>::infinity();
+      for (std::size_t i = 0; i < spaces.size(); ++i)
+        least = std::min(least, into[i] = spaces[i].distance(x));
+      return least;
+    }
+  };
+
   // A point well inside all half-spaces, close to the centre of the largest ball in them, which must have a
   // radius of at least `least` of the star's size.
-  bool find_position(Index v, const std::vector<Triple>& sides, double least, Vector3d& out) {
-    spaces_.clear();
+  std::optional<Place> find_place(Index v, const std::vector<Triple>& sides, double least,
+                                  Search& search) const {
+    search.spaces.clear();
     for (const Triple& s : sides) {
       HalfSpace h;
       if (!half_space(complex_.position(s[0]), complex_.position(s[1]), complex_.position(s[2]), h))
-        return false;
-      spaces_.push_back(h);
+        return std::nullopt;
+      search.spaces.push_back(h);
     }
-    distance_.resize(spaces_.size());
-    there_.resize(spaces_.size());
-    const auto measure = [&](const Vector3d& x, std::vector<double>& distance) {
-      double least = std::numeric_limits<double>::infinity();
-      for (std::size_t i = 0; i < spaces_.size(); ++i)
-        least = std::min(least, distance[i] = spaces_[i].distance(x));
-      return least;
-    };
+    search.distance.resize(sides.size());
+    search.there.resize(sides.size());
     const Vector3d start = complex_.position(v);
     double size = 0;
     for (const Triple& s : sides)
@@ -567,38 +620,33 @@ class Clearer {
 
     // Ascent on the concave function `clearance`: the step direction balances the faces that bind.
     Vector3d x = start, best = start;
-    double value = measure(x, distance_), best_value = value;
+    double value = search.measure(x, search.distance), best_value = value;
     double step = 0.25 * size;
     for (int i = 0; i < 200 && step > std::max(kLeastStep * size, kWorthwhile * best_value); ++i) {
       Vector3d direction = Vector3d::Zero();
-      for (std::size_t k = 0; k < spaces_.size(); ++k)
-        if (const double slack = distance_[k] - value; slack <= 0.5 * step)
-          direction += spaces_[k].normal * std::exp(-4 * slack / step);
+      for (std::size_t k = 0; k < search.spaces.size(); ++k)
+        if (const double slack = search.distance[k] - value; slack <= 0.5 * step)
+          direction += search.spaces[k].normal * std::exp(-4 * slack / step);
       const double length = direction.norm();
       bool moved = false;
       if (length > 1e-12) {
         const Vector3d y = x + direction * (step / length);
-        const double there = measure(y, there_);
+        const double there = search.measure(y, search.there);
         if (there > value) {
           x = y, value = there, moved = true;
-          std::swap(distance_, there_);
+          std::swap(search.distance, search.there);
           if (value > best_value) best = x, best_value = value;
         }
       }
       step *= moved ? 1.3 : 0.6;
     }
-    if (!(best_value > least * size)) return false;
+    if (!(best_value > least * size)) return std::nullopt;
     // The way back towards the start stays inside (convex); take the exact check's word, not ours.
     for (double share = kReach; share > 1e-3; share *= 0.5)
-      if (const Vector3d y = start + share * (best - start); positive(sides, y)) {
-        out = y;
-        result_.smallest_clearance = std::min(result_.smallest_clearance, measure(y, there_));
-        return true;
-      }
-    if (!positive(sides, best)) return false;
-    out = best;
-    result_.smallest_clearance = std::min(result_.smallest_clearance, best_value);
-    return true;
+      if (const Vector3d y = start + share * (best - start); positive(sides, y))
+        return Place{y, search.measure(y, search.there)};
+    if (!positive(sides, best)) return std::nullopt;
+    return Place{best, best_value};
   }
 
   const Surface& surface_;
@@ -608,8 +656,7 @@ class Clearer {
   std::vector<Index> queue_;
   std::vector<Index> points_;  // all added points of the boundary
   std::vector<Index> star_;
-  std::vector<HalfSpace> spaces_;  // of find_position, with the distances of a point and of the next one
-  std::vector<double> distance_, there_;
+  Search search_;
   double least_clearance_ = 0;
   BoundaryPointsResult result_;
 };

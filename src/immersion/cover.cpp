@@ -361,10 +361,12 @@ class Builder {
     out.mesh.V.resize(position_.size(), 3);
     for (std::size_t v = 0; v < position_.size(); ++v) out.mesh.V.row(v) = position_[v];
     out.mesh.T.resize(copies_.tet.size(), 4);
+    out.neighbours.resize(copies_.tet.size(), 4);
     for (std::size_t c = 0; c < copies_.tet.size(); ++c) {
       const auto& t = copies_.tet[c];
       out.mesh.T.row(c) << t[0], t[1], t[2], t[3];
       for (int k = 0; k < 4; ++k) {
+        out.neighbours(c, k) = std::max(copies_.next[c][k], -1);
         if (copies_.next[c][k] >= 0) continue;
         out.boundary.push_back({t[kFace[k][0]], t[kFace[k][1]], t[kFace[k][2]]});
         out.face.push_back(-1 - copies_.next[c][k]);

@@ -91,7 +91,7 @@ Result<ImmersionResult> attempt(const Surface& surface, const std::vector<FacePa
   out.sheets_seconds = watch.lap();
 
   context.report("immersion", 0.8, "boundary points");
-  TetComplex complex(cover.value().mesh.V, cover.value().mesh.T);
+  TetComplex complex(cover.value().mesh.V, cover.value().mesh.T, cover.value().neighbours);
   const BoundaryPointsResult cleared =
       clear_boundary_points(surface, complex, cover.value().boundary, cover.value().face, context);
   out.cover = std::move(cover).value().mesh;

@@ -54,7 +54,7 @@ TetComplex::Face TetComplex::face(Index t, int k) const {
   return f;
 }
 
-TetComplex::TetComplex(const VertexMatrix& V, const TetMatrix& T) {
+void TetComplex::take(const VertexMatrix& V, const TetMatrix& T) {
   const Index n = static_cast<Index>(V.rows()), m = static_cast<Index>(T.rows());
   position_.resize(n);
   for (Index v = 0; v < n; ++v) position_[v] = V.row(v);
@@ -68,6 +68,16 @@ TetComplex::TetComplex(const VertexMatrix& V, const TetMatrix& T) {
       tet_[t][k] = T(t, k);
       if (vertex_tet_[T(t, k)] < 0) vertex_tet_[T(t, k)] = t;
     }
+}
+
+TetComplex::TetComplex(const VertexMatrix& V, const TetMatrix& T, const TetMatrix& N) {
+  take(V, T);
+  for (Index t = 0; t < T.rows(); ++t) next_[t] = {N(t, 0), N(t, 1), N(t, 2), N(t, 3)};
+}
+
+TetComplex::TetComplex(const VertexMatrix& V, const TetMatrix& T) {
+  take(V, T);
+  const Index n = static_cast<Index>(V.rows()), m = static_cast<Index>(T.rows());
   // Faces in buckets by their smallest vertex: much cheaper than sorting all of them at once.
   std::vector<std::int64_t> begin(static_cast<std::size_t>(n) + 1, 0);
   for (Index t = 0; t < m; ++t)

@@ -24,6 +24,8 @@ class TetComplex {
   // T: #T x 4. Neighbours are found by matching faces; a face of one tet only is a boundary face.
   // pre: every face belongs to at most two tets.
   TetComplex(const VertexMatrix& V, const TetMatrix& T);
+  // The same where the neighbours are known. N: #T x 4, as neighbour().
+  TetComplex(const VertexMatrix& V, const TetMatrix& T, const TetMatrix& N);
 
   // Vertices. Removed or unused vertices keep their number until compact().
   Index vertex_count() const { return static_cast<Index>(position_.size()); }
@@ -92,6 +94,7 @@ class TetComplex {
     Index a, b, c, t, k;
   };
   Face face(Index t, int k) const;
+  void take(const VertexMatrix& V, const TetMatrix& T);  // all but the neighbours
   void next_mark() const;
   mutable std::vector<std::uint32_t> mark_;  // per tet; equal to stamp_: seen in this call
   mutable std::uint32_t stamp_ = 0;

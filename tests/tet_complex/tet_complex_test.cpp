@@ -110,6 +110,10 @@ TEST(TetComplex, AnswersMatchBruteForce) {
   std::vector<Index> tets;
   c.ring(0, 63, tets);
   EXPECT_TRUE(tets.empty());
+  TetMatrix neighbours(mesh.T.rows(), 4);
+  for (Index t = 0; t < mesh.T.rows(); ++t)
+    for (int k = 0; k < 4; ++k) neighbours(t, k) = c.neighbour(t, k);
+  expect_consistent(TetComplex(mesh.V, mesh.T, neighbours));
 }
 
 // Random removals, 1-4 splits, and refills keep every table right.
