@@ -7,6 +7,7 @@
 #include <map>
 
 #include "kernels/predicates/predicates.h"
+#include "src/surface/gluing.h"
 
 namespace overtet {
 
@@ -125,7 +126,32 @@ Result<Inspection> inspect(const Surface& surface, bool everything, const RunCon
   r.diagnosis = std::move(d).value();
   r.problem = refuse(r.diagnosis);
   if (r.problem && r.problem->code == ErrorCode::infeasible) r.witness = witness_of(surface, r.diagnosis);
+  if (everything)
+    if (Status s = look_for_conflict(surface, r, context); !s) return s.error();
   return r;
+}
+
+Status look_for_conflict(const Surface& surface, Inspection& r, const RunContext& context) {
+  Diagnosis& d = r.diagnosis;
+  if (r.problem || d.verdict != Verdict::feasible) return success();
+  const Result<GluingAnswer> answer = check_gluing(surface, d.topology.topology, *d.bvh, d.pairs, context);
+  if (!answer) return answer.error();
+  const GluingAnswer& a = answer.value();
+  if (a.verdict != GluingVerdict::conflict) return success();
+  WitnessRecord record;
+  record.rule = WitnessRecord::Rule::gluing;
+  for (const auto& c : a.crossings) {
+    record.pairs.push_back({c.faces.first, c.faces.second});
+    record.layers.push_back(c.layers);
+    record.positions.push_back(c.place);
+  }
+  record.edges = a.edges;
+  r.witness = std::move(record);
+  d.verdict = Verdict::obstructed;
+  d.message = a.message;
+  r.problem = Error{ErrorCode::infeasible, a.message};
+  if (!a.crossings.empty()) r.problem->place = a.crossings[0].place;
+  return success();
 }
 
 Result<CloseLook> look_closely(const Surface& surface, const Inspection& r, const RunContext& context) {

@@ -25,9 +25,14 @@ struct Inspection {
   bool usable() const { return !problem || problem->code == ErrorCode::infeasible; }
 };
 
-// everything: the whole winding range even when a witness has been found.
+// everything: the whole winding range even when a witness has been found, and look_for_conflict.
 // Errors: limit, interrupted. What is wrong with the surface is a finding, not an error.
 Result<Inspection> inspect(const Surface& surface, bool everything, const RunContext& context);
+
+// Whether the sheets of a solid can be glued at all along the curves (src/surface/gluing.h), where nothing else
+// forbids a mesh. If not, that is the inspection's verdict, problem and witness from now on.
+// Errors: limit, interrupted.
+Status look_for_conflict(const Surface& surface, Inspection& inspection, const RunContext& context);
 
 InputRecord input_record(const Inspection& inspection);
 

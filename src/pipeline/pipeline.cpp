@@ -82,6 +82,7 @@ class Run {
   }
 
   Status diagnose();
+  Status look_closer();
   std::optional<Error> pinched_vertices() const;
   Status try_routes();
   Status finish_saved();
@@ -107,6 +108,7 @@ class Run {
   Inspection found_;
   std::optional<StageFiles> save_, resume_;
   std::optional<Eigen::Vector3d> unglued_;
+  bool looked_closer_ = false;
 };
 
 Status Run::diagnose() {
@@ -131,6 +133,17 @@ Status Run::diagnose() {
     box_ = found_.box;
     back_into_unit_box(surface_.V, box_);
     return success();
+  });
+}
+
+// Whether there can be a mesh at all, once a route has failed; looked at once.
+Status Run::look_closer() {
+  if (looked_closer_) return success();
+  looked_closer_ = true;
+  return stage("gluing", [&](StageRecord&) -> Status {
+    if (Status s = look_for_conflict(input_, found_, context_); !s) return s;
+    report_.witness = found_.witness;
+    return found_.problem ? Status(*found_.problem) : success();
   });
 }
 
@@ -194,6 +207,8 @@ Status Run::try_routes() {
         unglued_ = Eigen::Vector3d((*pinched->place)[0], (*pinched->place)[1], (*pinched->place)[2]);
       return *pinched;
     }
+    if (!repaired_)
+      if (Status s = look_closer(); !s) return s;
     if (e.exhausted)
       return Error{ErrorCode::unsolved,
                    "No tet mesh was found: " + e.message +

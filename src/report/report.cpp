@@ -43,6 +43,12 @@ Json json_of(const WitnessRecord& w) {
       j["B0"] = w.B0;
       j["positions"] = w.positions;
       return j;
+    case WitnessRecord::Rule::gluing:
+      j["pairs"] = w.pairs;
+      j["layers"] = w.layers;
+      j["edges"] = w.edges;
+      j["positions"] = w.positions;
+      return j;
   }
   return j;
 }
@@ -63,6 +69,8 @@ const char* name_of(WitnessRecord::Rule rule) {
       return "crowded";
     case WitnessRecord::Rule::link:
       return "link";
+    case WitnessRecord::Rule::gluing:
+      return "gluing";
   }
   return "";
 }

@@ -34,14 +34,18 @@ struct WitnessRecord {
     fold,      // the same at a dihedral so close to 0 or 2 pi that rounded angles may give another integer
     unpaired,  // an odd number of vertices with odd B0 that covered edges join to each other only
     crowded,   // a vertex whose edges cannot take the turns that B0 asks for
-    link       // a vertex whose link polygon bounds no disc that fits
+    link,      // a vertex whose link polygon bounds no disc that fits
+    gluing     // crossings and edges around which the sheets of the solid cannot be glued at once
   };
   Rule rule = Rule::winding;
   std::array<std::string, 3> point;  // decimal numbers or exact fractions
   int winding = 0;
   std::vector<Index> vertices;  // one, or the whole odd group
   std::vector<int> B0;          // of each
-  std::vector<std::array<double, 3>> positions;
+  std::vector<std::array<double, 3>> positions;  // of the vertices, or on the curve of each pair
+  std::vector<std::array<Index, 2>> pairs;       // faces that cross,
+  std::vector<int> layers;                       // where so many sheets lie in front of both
+  std::vector<std::array<Index, 2>> edges;       // by their vertices
 };
 const char* name_of(WitnessRecord::Rule rule);  // as in the report
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "src/surface/diagnose.h"
+#include "src/surface/gluing.h"
 #include "tests/support/files.h"
 #include "tests/support/models.h"
 #include "tests/support/noise.h"
@@ -289,6 +290,46 @@ TEST_F(CheckWitness, LinksThatBoundNoDisc) {
     EXPECT_GT(confirms_no_others(s, d, "link", d.wound.unfillable, 6), 0);
     EXPECT_EQ(answer(s, hinge_witness("link", d.wound.unfillable[0], 0)), 1) << said_;
   }
+}
+
+std::string gluing_witness(const GluingAnswer& a, std::size_t without) {
+  std::string pairs, layers, edges;
+  const auto more = [](std::string& list, const std::string& x) { list += (list.empty() ? "" : ", ") + x; };
+  for (std::size_t k = 0; k < a.crossings.size() + a.edges.size(); ++k) {
+    if (k == without) continue;
+    if (k >= a.crossings.size()) {
+      more(edges, listed(a.edges[k - a.crossings.size()]));
+      continue;
+    }
+    const auto& c = a.crossings[k];
+    more(pairs, listed(std::vector<Index>{c.faces.first, c.faces.second}));
+    more(layers, std::to_string(c.layers));
+  }
+  return "{\"rule\": \"gluing\", \"pairs\": [" + pairs + "], \"layers\": [" + layers + "], \"edges\": [" +
+         edges + "]}";
+}
+
+// Elbows with a sphere around a hinge: every hinge can be filled by itself, but not all at once.
+TEST_F(CheckWitness, LayersThatCannotBeGlued) {
+  for (const std::uint64_t seed : {87, 213, 244}) {
+    const Surface s =
+        pierced_at_hinge(test::elbow(110 + 20.0 * static_cast<double>(seed % 4), 8 + seed % 3), seed);
+    const Diagnosis d = diagnosed(s);
+    ASSERT_EQ(d.verdict, Verdict::feasible);
+    const GluingAnswer a = check_gluing(s, d.topology.topology, *d.bvh, d.pairs, {}).value();
+    ASSERT_EQ(a.verdict, GluingVerdict::conflict);
+    const std::size_t n = a.crossings.size() + a.edges.size();
+    EXPECT_EQ(answer(s, gluing_witness(a, n)), 0) << said_;
+    EXPECT_EQ(answer(s, gluing_witness(a, seed % n)), 1) << said_;  // nothing in it is idle
+  }
+  const Surface s = test::elbow(150, 14);
+  const Diagnosis d = diagnosed(s);
+  GluingAnswer all;  // says much, and proves nothing
+  for (const auto& pair : d.pairs)
+    for (const int layers : {0, 1}) all.crossings.push_back({pair, layers, {}});
+  EXPECT_EQ(answer(s, gluing_witness(all, all.crossings.size())), 1) << said_;
+  EXPECT_EQ(answer(s, "{\"rule\": \"gluing\", \"pairs\": [[1, 2]], \"layers\": [], \"edges\": []}"), 2)
+      << said_;
 }
 
 // Two vertices in one place may share what hinges ask for.

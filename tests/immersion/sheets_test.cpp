@@ -8,6 +8,7 @@
 #include <random>
 
 #include "src/immersion/cover.h"
+#include "src/surface/gluing.h"
 #include "src/surface/winding.h"
 #include "tests/immersion/shapes.h"
 #include "tests/support/noise.h"
@@ -19,6 +20,11 @@ using test::Prepared;
 
 Result<Sheets> sheets_of(const Prepared& p) {
   return assign_sheets(p.surface, p.arrangement, p.tets, p.diagnosis.wound.edges, {});
+}
+
+GluingAnswer gluing_of(const Prepared& p) {
+  const Diagnosis& d = p.diagnosis;
+  return check_gluing(p.surface, d.topology.topology, *d.bvh, d.pairs, {}).value();
 }
 
 // As many copies as the winding number says, decided on its own; every gluing a partial bijection in
@@ -186,6 +192,7 @@ TEST(Sheets, NoGluingWhereHingesCannotBePaired) {
     ++tried;
     if (sheets.ok()) {
       EXPECT_FALSE(says_no) << "seed " << seed;
+      EXPECT_EQ(gluing_of(p).verdict, GluingVerdict::open) << "seed " << seed;
       ++glued;
     } else {
       EXPECT_TRUE(sheets.error().exhausted) << "seed " << seed << ": " << sheets.error().message;
@@ -196,6 +203,50 @@ TEST(Sheets, NoGluingWhereHingesCannotBePaired) {
   std::printf("seeds 1 to 120: %d tried, %d unpaired, %d glued\n", tried, unpaired, glued);
   EXPECT_GE(unpaired, 5);
   EXPECT_GE(glued, 5);
+}
+
+// What the curves alone say, exactly: never no where there is a gluing, whatever handles there are.
+TEST(Sheets, WhatIsGluedIsNoConflictOfCurves) {
+  std::vector<Surface> models{test::thick_knot(),   test::thick_knot(90, 6),   test::pierced_elbow(),
+                              test::two_spheres(1), test::curled_worm(410, 8), test::elbow(150, 14)};
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) models.push_back(test::random_worm(seed));
+  int glued = 0, open = 0;
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    const Diagnosis d = test::diagnosed(models[i]);
+    if (d.verdict != Verdict::feasible) continue;
+    const Prepared p = test::prepared(models[i]);
+    if (!sheets_of(p).ok()) continue;
+    const GluingAnswer answer = gluing_of(p);
+    EXPECT_NE(answer.verdict, GluingVerdict::conflict) << i << ": " << answer.message;
+    ++glued;
+    open += answer.verdict == GluingVerdict::open;
+  }
+  EXPECT_GE(glued, 6);
+  EXPECT_GE(open, 5);
+}
+
+// Elbows whose hinges can all be filled, one by one, but not at once: the search sees everything in vain, and
+// the curves say why, in few words, of which none is idle.
+TEST(Sheets, ConflictsOfCurvesHaveNoGluing) {
+  for (const std::uint64_t seed : {87, 139, 213, 303}) {
+    Surface s = test::noisy(test::elbow(110 + 20.0 * static_cast<double>(seed % 4), 8 + seed % 3), seed,
+                            0.02 + 0.03 * static_cast<double>(seed % 7));
+    const auto crossed = test::diagnosed(s).hinges;
+    const Eigen::Vector3d at = s.V.row(crossed[seed % crossed.size()].vertex);
+    s = test::joined(s, test::sphere(1, 0.1 + 0.1 * static_cast<double>(seed % 5),
+                                     at + 0.05 * Eigen::Vector3d(0.3, 0.5, 0.7)));
+    const Prepared p = test::prepared(s);
+    ASSERT_EQ(p.diagnosis.verdict, Verdict::feasible);
+    const Result<Sheets> sheets = sheets_of(p);
+    ASSERT_FALSE(sheets.ok());
+    EXPECT_TRUE(sheets.error().exhausted);
+    const GluingAnswer answer = gluing_of(p);
+    EXPECT_EQ(answer.verdict, GluingVerdict::conflict) << answer.message;
+    EXPECT_GE(answer.crossings.size() + answer.edges.size(), 1U);
+    EXPECT_LE(answer.crossings.size() + answer.edges.size(), 12U);
+    for (const auto& c : answer.crossings)
+      EXPECT_TRUE(std::binary_search(p.diagnosis.pairs.begin(), p.diagnosis.pairs.end(), c.faces));
+  }
 }
 
 TEST(Sheets, SpeakOfOneTetAtATime) {

@@ -166,9 +166,9 @@ TEST(Pipeline, UnpairedHingesAreInfeasible) {
   EXPECT_TRUE(stages(run(s, options)).contains("repair"));
 }
 
-// Hinges for which all integers fit, and yet no gluing exists: the search has seen everything, so the flows
-// are not tried, and the place is named.
-TEST(Pipeline, StopsWhereAllGluingsHaveBeenTried) {
+// Hinges for which all integers fit, and yet no gluing exists: the curves that contradict each other are the
+// witness, and the flows are not tried.
+TEST(Pipeline, SaysWhereCurvesContradictEachOther) {
   const std::uint64_t seed = 139;
   Surface s = test::noisy(test::elbow(170, 9), seed, 0.02 + 0.03 * 6);
   const auto hinges = diagnose(s, {}, {}).value().hinges;
@@ -179,10 +179,14 @@ TEST(Pipeline, StopsWhereAllGluingsHaveBeenTried) {
   ASSERT_TRUE(d.ok());
   ASSERT_EQ(d.value().verdict, Verdict::feasible);
   const PipelineResult r = run(s);
-  EXPECT_EQ(r.exit_code(), 4);
-  EXPECT_TRUE(r.error.exhausted) << r.report.message;
-  ASSERT_TRUE(r.error.place.has_value());
-  EXPECT_NE(r.report.message.find("All gluings have been tried"), std::string::npos) << r.report.message;
+  EXPECT_EQ(r.exit_code(), 5);
+  ASSERT_TRUE(r.report.witness.has_value());
+  const WitnessRecord& w = *r.report.witness;
+  EXPECT_EQ(w.rule, WitnessRecord::Rule::gluing);
+  EXPECT_FALSE(w.pairs.empty());
+  EXPECT_EQ(w.pairs.size(), w.layers.size());
+  EXPECT_EQ(w.pairs.size(), w.positions.size());
+  EXPECT_NE(to_json(r.report).find("\"layers\""), std::string::npos);
   EXPECT_FALSE(stages(r).contains("forward_flow"));
 }
 
