@@ -77,6 +77,7 @@ Result<ImmersionResult> attempt(const Surface& surface, const std::vector<FacePa
   out.steiner_points = static_cast<Index>(tets.value().V.rows() - plc.V.rows());
   out.missing_facets = tets.value().missing_facets;
   out.tetgen_facets = tets.value().tetgen_facets;
+  out.tetgen_parts = tets.value().parts;
 
   context.report("immersion", 0.6, "sheets");
   Result<Sheets> sheets = assign_sheets(surface, out.arrangement, tets.value(), wound, context);

@@ -40,8 +40,8 @@ struct ImmersionResult {
   Index winding_max = 0;
   std::int64_t search_nodes = 0;
   Index steiner_points = 0;  // that the mesh of the cells has beside those of the arrangement
-  Index missing_facets = 0, tetgen_facets = 0;  // src/tetgen/tetgen.h
-  Index boundary_points = 0;                    // moved inside
+  Index missing_facets = 0, tetgen_facets = 0, tetgen_parts = 0;  // src/tetgen/tetgen.h
+  Index boundary_points = 0;                                      // moved inside
   Index refined_edges = 0;
   double smallest_clearance = 0;
   double arrangement_seconds = 0, tet_mesh_seconds = 0, sheets_seconds = 0, boundary_seconds = 0;

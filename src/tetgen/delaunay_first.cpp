@@ -10,16 +10,13 @@
 #include <utility>
 
 #include "kernels/delaunay/cavity.h"
-#include "kernels/delaunay/delaunay.h"
-#include "kernels/parallel/grouping.h"
 #include "kernels/parallel/parallel.h"
+#include "src/tetgen/delaunay_match.h"
+#include "src/tetgen/parts.h"
 
 namespace overtet {
 
 namespace {
-
-using Tet = std::array<Index, 4>;
-using Triple = std::array<Index, 3>;
 
 constexpr std::int64_t kGrain = 1 << 13;
 
@@ -36,77 +33,19 @@ constexpr int kRounds = 3;
 constexpr std::int64_t kFacetsPerPiece = 10'000;
 constexpr std::int64_t kMostPieces = 4;
 
-Triple sorted(Triple t) {
-  std::sort(t.begin(), t.end());
-  return t;
-}
-
-// True when b is an even permutation of a. pre: b is a permutation of a.
-bool same_turn(const Triple& a, const Triple& b) {
-  const int at = b[0] == a[0] ? 0 : b[1] == a[0] ? 1 : 2;
-  return b[(at + 1) % 3] == a[1];
-}
-
-Triple face_of(const Tet& t, int k) { return {t[kTetFace[k][0]], t[kTetFace[k][1]], t[kTetFace[k][2]]}; }
-
-// Finds triangles by their corners.
-class TriangleTable {
- public:
-  TriangleTable(Index vertices, const std::vector<Triple>& triangles) : triangles_(triangles) {
-    group_items(vertices, start_, items_, [&](auto&& visit) {
-      for (Index f = 0; f < static_cast<Index>(triangles.size()); ++f)
-        visit(std::min({triangles[f][0], triangles[f][1], triangles[f][2]}), f);
-    });
-  }
-  // Its number, or -1.
-  Index find(const Triple& f) const {
-    const Index least = std::min({f[0], f[1], f[2]});
-    const std::int64_t sum = std::int64_t{f[0]} + f[1] + f[2];
-    for (Index i = start_[least]; i < start_[least + 1]; ++i) {
-      const Triple& t = triangles_[items_[i]];
-      if (std::int64_t{t[0]} + t[1] + t[2] == sum &&
-          std::max({t[0], t[1], t[2]}) == std::max({f[0], f[1], f[2]}))
-        return items_[i];
-    }
-    return -1;
-  }
-
- private:
-  const std::vector<Triple>& triangles_;
-  RawVector<Index> start_;
-  RawVector<Index> items_;
-};
-
 Error unsolved(std::string message) { return Error{ErrorCode::unsolved, std::move(message)}; }
 
 class DelaunayFirst {
  public:
-  DelaunayFirst(const Plc& plc, const RunContext& context, const DelaunayFirstOptions& options)
-      : plc_(plc), context_(context), options_(options) {}
+  DelaunayFirst(DelaunayMatch& match, const RunContext& context, const DelaunayFirstOptions& options)
+      : plc_(match.plc), context_(context), options_(options), match_(match) {}
 
   Result<TetgenResult> run() {
-    const auto begin = RunContext::Clock::now();
-    const Index n = static_cast<Index>(plc_.V.rows());
-    if (auto error = context_.no_room_for(static_cast<std::size_t>(n) * 1500)) return *error;
-    TetArrays all = delaunay(plc_.V.data(), n, [&] { return context_.stop().has_value(); });
-    if (auto stop = context_.stop()) return *stop;
-    if (all.tet.empty()) return unsolved("All points lie in a plane.");
-    tet_.assign(all.tet.begin(), all.tet.end());
-    next_.assign(all.next.begin(), all.next.end());
-    all = {};
-    facets_.resize(plc_.F.rows());
-    for (std::size_t f = 0; f < facets_.size(); ++f) facets_[f] = {plc_.F(f, 0), plc_.F(f, 1), plc_.F(f, 2)};
     source_.resize(facets_.size());
     std::iota(source_.begin(), source_.end(), 0);
-
-    match_facets();
-    missing_at_first_ = static_cast<Index>(missing_.size());
-    if (static_cast<double>(missing_.size()) > options_.most_missing * static_cast<double>(facets_.size()))
-      return unsolved("Too many facets are no faces of Delaunay tets.");
     cavity_of_.assign(tet_.size(), -1);
-    replaced_.assign(tet_.size(), 0);
     for (int round = 0; round < kRounds && !missing_.empty(); ++round) {
-      find_crossed_tets();
+      match_.find_crossed_tets();
       make_cavities(round);
       fill_cavities(round);
       if (auto stop = context_.stop()) return *stop;
@@ -114,10 +53,9 @@ class DelaunayFirst {
     if (auto error = fill_the_rest()) return *error;
     missing_.clear();
     if (auto stop = context_.stop()) return *stop;
-    Result<TetgenResult> out = collect();
+    Result<TetgenResult> out =
+        without_outside(plc_, {tet_, next_, facet_on_, facets_, source_, added_points_}, replaced_);
     if (out) {
-      out.value().seconds = std::chrono::duration<double>(RunContext::Clock::now() - begin).count();
-      out.value().missing_facets = missing_at_first_;
       out.value().tetgen_facets = tetgen_facets_;
       out.value().peak_rss_bytes = peak_of_children_;
     }
@@ -137,58 +75,6 @@ class DelaunayFirst {
     Index tet;  // the one inside that had it
     int corner;
   };
-
-  Index& beside(Index f, bool front) { return beside_[2 * static_cast<std::size_t>(f) + front]; }
-
-  void match_facets() {
-    const TriangleTable table(static_cast<Index>(plc_.V.rows()), facets_);
-    facet_on_.resize(tet_.size());
-    beside_.assign(2 * facets_.size(), -1);
-    parallel_for(static_cast<std::int64_t>(tet_.size()), kGrain, [&](std::int64_t begin, std::int64_t end) {
-      for (std::int64_t t = begin; t < end; ++t)
-        for (int k = 0; k < 4; ++k) {
-          const Triple face = face_of(tet_[t], k);
-          const Index f = facet_on_[t][k] = table.find(face);
-          // One tet on either side: nobody else writes here.
-          if (f >= 0) beside(f, !same_turn(facets_[f], face)) = static_cast<Index>(t);
-        }
-    });
-    for (Index f = 0; f < static_cast<Index>(facets_.size()); ++f)
-      if (beside(f, false) < 0 && beside(f, true) < 0) missing_.push_back(f);
-  }
-
-  // The tets that a missing facet passes through. Those that have a point of its inside are connected by
-  // faces, and some of them are at its corners.
-  void find_crossed_tets() {
-    std::vector<Index> tet_at(plc_.V.rows(), -1);
-    for (Index t = 0; t < static_cast<Index>(tet_.size()); ++t)
-      for (int k = 0; !replaced_[t] && k < 4; ++k) tet_at[tet_[t][k]] = t;
-    crossed_ = parallel_collect<std::pair<Index, Index>>(
-        static_cast<std::int64_t>(missing_.size()), 256,
-        [&](std::int64_t begin, std::int64_t end, std::vector<std::pair<Index, Index>>& out) {
-          std::vector<Index> star, seen;
-          for (std::int64_t i = begin; i < end; ++i) {
-            const Index f = missing_[i];
-            seen.clear();
-            const Index v = facets_[f][0];
-            star.assign(1, tet_at[v]);
-            for (std::size_t head = 0; head < star.size(); ++head)
-              for (int k = 0; k < 4; ++k) {
-                const Index other = next_[star[head]][k];
-                if (other < 0 || tet_[star[head]][k] == v) continue;
-                if (std::find(star.begin(), star.end(), other) == star.end()) star.push_back(other);
-              }
-            for (const Index t : star)
-              if (!apart(plc_.V.data(), tet_[t], facets_[f])) seen.push_back(t);
-            for (std::size_t head = 0; head < seen.size(); ++head)
-              for (const Index other : next_[seen[head]])
-                if (other >= 0 && std::find(seen.begin(), seen.end(), other) == seen.end() &&
-                    !apart(plc_.V.data(), tet_[other], facets_[f]))
-                  seen.push_back(other);
-            for (const Index t : seen) out.emplace_back(t, f);
-          }
-        });
-  }
 
   // Cavities of the tets that missing facets pass through, and those beside them if wanted.
   void make_cavities(int layers) {
@@ -429,8 +315,6 @@ class DelaunayFirst {
             }
           }
         }
-        if (const Index f = facet_on_[t][k]; f >= 0)
-          beside(f, !same_turn(facets_[f], face_of(added[t - first], k))) = t;
       }
       b = e;
     }
@@ -450,29 +334,28 @@ class DelaunayFirst {
   std::optional<Error> mesh_cavities(std::span<const Index> cavities, std::vector<Piece>& pieces) const;
   std::optional<Error> mesh_piece(Piece& piece) const;
   void put_in(const Piece& piece);
-  Result<TetgenResult> collect();
 
   const Plc& plc_;
   const RunContext& context_;
   const DelaunayFirstOptions& options_;
-  std::vector<Tet> tet_, next_, facet_on_;
+  DelaunayMatch& match_;
+  std::vector<Tet>&tet_ = match_.tet, &next_ = match_.next, &facet_on_ = match_.facet_on;
+  std::vector<char>& replaced_ = match_.replaced;
+  std::vector<Triple>& facets_ = match_.facets;  // the input's, then parts of those that had to be split
+  std::vector<Index>& missing_ = match_.missing;
+  std::vector<std::pair<Index, Index>>& crossed_ = match_.crossed;
   std::vector<Index> cavity_of_;  // of tets in cavities
-  std::vector<char> replaced_;    // tets that are no more
-  std::vector<Triple> facets_;    // the input's, then parts of those that had to be split
   std::vector<Index> source_;     // the input facet of each
-  std::vector<Index> beside_;     // per facet: the tet behind it, the tet in front of it
-  std::vector<Index> missing_;
-  std::vector<std::pair<Index, Index>> crossed_;  // tet, missing facet; by facet
   std::vector<Cavity> cavities_;
   std::vector<Eigen::Vector3d> added_points_;
-  Index missing_at_first_ = 0, tetgen_facets_ = 0;
+  Index tetgen_facets_ = 0;
   std::size_t peak_of_children_ = 0;
 };
 
 // TetGen meshes the cavities that are left, several lots at a time.
 std::optional<Error> DelaunayFirst::fill_the_rest() {
   if (missing_.empty()) return std::nullopt;
-  find_crossed_tets();
+  match_.find_crossed_tets();
   make_cavities(kRounds - 1);
   std::vector<Index> left;
   std::vector<std::int64_t> before{0};  // facets of all cavities before each
@@ -645,7 +528,6 @@ void DelaunayFirst::put_in(const Piece& piece) {
     facets.push_back(static_cast<Index>(facets_.size()));
     facets_.push_back(t);
     source_.push_back(f);
-    beside_.insert(beside_.end(), 2, -1);
   }
   std::vector<Tet> tets;
   for (const Index t : piece.inside)
@@ -657,89 +539,22 @@ void DelaunayFirst::put_in(const Piece& piece) {
   peak_of_children_ = std::max(peak_of_children_, r.peak_rss_bytes);
 }
 
-// Leaves out what lies outside and what has been replaced.
-Result<TetgenResult> DelaunayFirst::collect() {
-  const std::int64_t n = static_cast<std::int64_t>(tet_.size());
-  const Index facets = static_cast<Index>(facets_.size());
-  std::vector<char> gone(n, 0);
-  std::vector<Index> stack;
-  for (std::int64_t t = 0; t < n; ++t) {
-    if (replaced_[t]) {
-      gone[t] = 1;
-      continue;
-    }
-    for (int k = 0; k < 4; ++k)
-      if (next_[t][k] < 0 && facet_on_[t][k] < 0 && !gone[t]) {
-        gone[t] = 1;
-        stack.push_back(static_cast<Index>(t));
-      }
-  }
-  while (!stack.empty()) {
-    const Index t = stack.back();
-    stack.pop_back();
-    for (int k = 0; k < 4; ++k)
-      if (const Index other = next_[t][k]; other >= 0 && facet_on_[t][k] < 0 && !gone[other]) {
-        gone[other] = 1;
-        stack.push_back(other);
-      }
-  }
-  std::vector<Index> number(n, -1);
-  Index kept = 0;
-  for (std::int64_t t = 0; t < n; ++t)
-    if (!gone[t]) number[t] = kept++;
-  if (kept == 0) return unsolved("There is no volume inside the facets; are they closed?");
-
-  TetgenResult out;
-  const Eigen::Index given = plc_.V.rows();
-  out.T.resize(kept, 4);
-  out.neighbours.resize(kept, 4);
-  out.facet_on.resize(kept);
-  parallel_for(n, kGrain, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t t = begin; t < end; ++t) {
-      if (number[t] < 0) continue;
-      out.facet_on[number[t]] = facet_on_[t];
-      for (int k = 0; k < 4; ++k) {
-        out.T(number[t], k) = tet_[t][k];
-        out.neighbours(number[t], k) = next_[t][k] < 0 ? -1 : number[next_[t][k]];
-      }
-    }
-  });
-  // Points that TetGen has added outside are not needed.
-  std::vector<Index> place(given + added_points_.size(), -1);
-  for (Index t = 0; t < kept; ++t)
-    for (int k = 0; k < 4; ++k) place[out.T(t, k)] = 0;
-  for (Eigen::Index v = 0; v < given; ++v) {
-    if (place[v] < 0) return unsolved("Vertex " + std::to_string(v) + " lies outside the facets.");
-    place[v] = static_cast<Index>(v);
-  }
-  out.V.resize(static_cast<Eigen::Index>(place.size()), 3);
-  out.V.topRows(given) = plc_.V;
-  Index next = static_cast<Index>(given);
-  for (std::size_t v = given; v < place.size(); ++v)
-    if (place[v] == 0) {
-      place[v] = next;
-      out.V.row(next++) = added_points_[v - given];
-    }
-  if (next < static_cast<Index>(place.size())) {
-    out.V.conservativeResize(next, 3);
-    for (Index t = 0; t < kept; ++t)
-      for (int k = 0; k < 4; ++k) out.T(t, k) = place[out.T(t, k)];
-  }
-  out.facets.resize(facets, 3);
-  out.facet_sources = source_;
-  out.facet_markers.resize(facets);
-  for (Index f = 0; f < facets; ++f) {
-    out.facets.row(f) << place[facets_[f][0]], place[facets_[f][1]], place[facets_[f][2]];
-    out.facet_markers[f] = plc_.markers.empty() ? 1 : plc_.markers[source_[f]];
-  }
-  return out;
-}
-
 }  // namespace
 
 Result<TetgenResult> tetrahedralize_delaunay_first(const Plc& plc, const RunContext& context,
                                                    const DelaunayFirstOptions& options) {
-  return DelaunayFirst(plc, context, options).run();
+  const auto begin = RunContext::Clock::now();
+  DelaunayMatch match(plc);
+  if (auto error = match.run(context)) return *error;
+  const Index missing = static_cast<Index>(match.missing.size());
+  const bool few = static_cast<double>(missing) <= options.most_missing * static_cast<double>(plc.F.rows());
+  Result<TetgenResult> out = few ? DelaunayFirst(match, context, options).run()
+                                 : mesh_in_parts(match, options.facets_per_part, context);
+  if (out) {
+    out.value().missing_facets = missing;
+    out.value().seconds = std::chrono::duration<double>(RunContext::Clock::now() - begin).count();
+  }
+  return out;
 }
 
 }  // namespace overtet

@@ -115,7 +115,9 @@ Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptio
       return again;
   if (Result<TetgenResult> again = tetrahedralize_shuffled(plc, plain, context); settled(again)) return again;
   if (delaunay)
-    if (Result<TetgenResult> again = tetrahedralize_delaunay_first(plc, context, {1, 10}); settled(again))
+    if (Result<TetgenResult> again =
+            tetrahedralize_delaunay_first(plc, context, {.most_missing = 1, .most_left = 10});
+        settled(again))
       return again;
   return first;
 }

@@ -361,7 +361,7 @@ Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options
   for (Eigen::Index v = 0; v < plc.V.rows(); ++v)
     if (std::memcmp(result.V.data() + 3 * v, plc.V.data() + 3 * v, 3 * sizeof(double)) != 0)
       return unsolved("TetGen moved or renumbered vertex " + std::to_string(v) + ".");
-  if (const auto lost = compact(result, plc.V.rows()); !lost.empty())
+  if (const auto lost = compact(result, plc.V.rows()); !lost.empty() && !options.accept_unused)
     return unsolved("TetGen left out " + std::to_string(lost.size()) + " input vertices (" +
                     vertex_list(lost) + ").");
 

@@ -28,6 +28,7 @@ struct TetgenOptions {
   double radius_edge = 2.0;       // circumradius over shortest edge
   bool keep_facets = true;        // no added points on facets (TetGen -Y)
   bool accept_split = false;      // with keep_facets: take the result even where TetGen had to split facets
+  bool accept_unused = false;     // vertices outside of what the facets enclose may stay without a tet
   bool fill_convex_hull = false;  // keep the tets outside the outermost facets (TetGen -c)
   double tolerance = 0;           // TetGen -T, for its coplanarity test; 0: TetGen's default
 
@@ -43,22 +44,22 @@ struct TetgenResult {
                                                // row of facets on the face opposite to each vertex, or -1
   std::vector<Index> facet_markers;            // #facets
   std::vector<Index> facet_sources;            // #facets; the row of Plc::F that each is part of
-  Index missing_facets = 0;                    // with Delaunay tets first: no faces of these
+  Index missing_facets = 0;                    // no faces of the Delaunay tets, where those come first
   Index tetgen_facets = 0;                     // that TetGen has worked on, walls of cavities included
+  Index parts = 1;                             // meshed one by one (parts.h)
   double seconds = 0;                          // wall time of the child
   std::size_t peak_rss_bytes = 0;              // of the child
 };
 
-// Guaranteed: every tet is exactly positive; every input vertex is a corner of some tet; with keep_facets
-// and without accept_split,
-// `facets` are the input's facets (as vertex sets), each once.
-// Errors: usage (options), bad_input (indices, infinite coordinates, equal vertices: the message names
-// them), limit / interrupted (as the context says; the child is killed), unsolved (TetGen crashed, gave up
-// or lost something; the message says which), internal (the child program is missing).
 // False where a face has an angle so small that refinement for quality would hardly end:
 // TetgenOptions::quality is then better off. V: #V x 3, F: #F x 3.
 bool worth_refining(const VertexMatrix& V, const TriangleMatrix& F);
 
+// Guaranteed: every tet is exactly positive; every input vertex is a corner of some tet (without
+// accept_unused); with keep_facets and without accept_split, `facets` are the input's facets (as vertex
+// sets), each once. Errors: usage (options), bad_input (indices, infinite coordinates, equal vertices: the
+// message names them), limit / interrupted (as the context says; the child is killed), unsolved (TetGen
+// crashed, gave up or lost something; the message says which), internal (the child program is missing).
 Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options, const RunContext& context);
 
 // The same, several times where TetGen fails. Whether it finds its way through nearly degenerate facets
