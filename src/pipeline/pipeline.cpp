@@ -280,6 +280,7 @@ Result<TetMesh> Run::mesh_immersed() {
                       {"rounds", std::int64_t{x.arrangement.rounds}},
                       {"missing_facets", std::int64_t{x.missing_facets}},
                       {"tetgen_facets", std::int64_t{x.tetgen_facets}},
+                      {"tetgen_parts", std::int64_t{x.tetgen_parts}},
                       {"steiner_points", std::int64_t{x.steiner_points}},
                       {"boundary_points", std::int64_t{x.boundary_points}},
                       {"refined_edges", std::int64_t{x.refined_edges}},
