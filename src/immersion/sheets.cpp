@@ -40,8 +40,13 @@ constexpr int kMostTurnsMade = 2;
 // Search steps before the constraint problem counts as unsolved; natural inputs need about one a region.
 constexpr std::int64_t kMostSearchNodes = 2'000'000;
 
-// The same a region, where options have to be made: each step takes much longer.
+// Of these, the first attempt at some regions takes so many, and so many a region.
+constexpr std::int64_t kFirstNodes = 1000;
+constexpr std::int64_t kFirstNodesEach = 10;
+
+// Where options have to be made each step takes much longer: so many a region, and as many attempts at most.
 constexpr std::int64_t kMostNodesMade = 3;
+constexpr std::int64_t kAttemptsMade = 2;
 
 // Rounds of the search with free edges; each but the last has found edges whose parts did not agree.
 constexpr int kFreeRounds = 4;
@@ -1029,7 +1034,7 @@ class Assigner {
       for (const Index c : fans_of_[r]) {
         if (is_complete(fans_[c]) && !satisfied(fans_[c], chosen_, out_.regions)) {
           fits = false;
-          deepest_fan_ = c;
+          deepest_fan_ = blamed_ = c;
           break;
         }
       }
@@ -1041,6 +1046,7 @@ class Assigner {
         if (!is_complete(f.fan)) continue;
         const int turns = turns_at(f);
         fits = turns >= 0;
+        if (!fits) blamed_ = static_cast<Index>(fans_.size()) + c;
         cost += (turns != f.given) + (turns > 0 && f.pierced ? kPiercedCost : 0);
       }
       if (fits) costs.emplace_back(cost, o);
@@ -1181,7 +1187,28 @@ class Assigner {
     return true;
   }
 
+  enum class Found { yes, no, too_long };
+
+  // A first attempt goes on where it has been. Those that follow begin where the ones before have failed
+  // most.
   bool search(const std::vector<Index>& part) {
+    const bool all_listed = std::all_of(part.begin(), part.end(), [&](Index r) { return listed_[r] != 0; });
+    const std::int64_t n = static_cast<std::int64_t>(part.size());
+    const std::int64_t first =
+        all_listed ? kFirstNodes + kFirstNodesEach * n : kFirstNodes + kMostNodesMade * n;
+    const std::int64_t last = out_.search_nodes + (all_listed ? kMostSearchNodes : kAttemptsMade * first);
+    weight_.assign(fans_.size() + free_fans_.size(), 1);
+    for (std::int64_t most = first, round = 0;; most += most / 2, ++round) {
+      const Found found = attempt(part, std::min(most, last - out_.search_nodes), round > 0);
+      if (found == Found::yes) return true;
+      if (found == Found::no) return false;
+      if (out_.search_nodes < last && !context_.stop()) continue;
+      cut_short_ = true;
+      return false;
+    }
+  }
+
+  Found attempt(const std::vector<Index>& part, std::int64_t most, bool by_weight) {
     struct Level {
       Index region;
       std::vector<Index> options;
@@ -1189,14 +1216,17 @@ class Assigner {
     };
     std::vector<Level> levels;
     std::vector<std::optional<std::vector<Index>>> left(part.size());  // none: many
+    std::vector<Index> blame(part.size(), -1);
     std::map<Index, std::size_t> at;
-    for (std::size_t i = 0; i < part.size(); ++i) at[part[i]] = i, left[i] = possible(part[i]);
-    const bool all_listed = std::all_of(part.begin(), part.end(), [&](Index r) { return listed_[r] != 0; });
-    const std::int64_t most =
-        all_listed ? kMostSearchNodes
-                   : out_.search_nodes + 1000 + kMostNodesMade * static_cast<std::int64_t>(part.size());
+    const auto look = [&](std::size_t i) {
+      blamed_ = -1;
+      left[i] = possible(part[i]);
+      blame[i] = blamed_;
+    };
+    for (std::size_t i = 0; i < part.size(); ++i) at[part[i]] = i, look(i);
+    const std::int64_t end = out_.search_nodes + most;
     std::vector<char> stale(part.size(), 0);
-    std::vector<int> touched(part.size(), 0);  // changes next to it: the search goes on where it has been
+    std::vector<int> touched(part.size(), 0);  // changes next to it
     const auto spoil = [&](Index r) {
       for (const Index c : fans_of_[r])
         for (const Index other : open_members_.at(c))
@@ -1206,42 +1236,56 @@ class Assigner {
           if (const auto it = at.find(leaf.region); it != at.end())
             stale[it->second] = 1, ++touched[it->second];
     };
+    const auto give_up = [&] {
+      for (const Level& level : levels) chosen_[level.region] = nullptr;
+      return Found::too_long;
+    };
+    // Options left; a region's share of dead ends makes them fewer.
+    const auto size = [&](std::size_t i) {
+      if (!left[i]) return std::numeric_limits<double>::max();
+      const double n = static_cast<double>(left[i]->size());
+      if (!by_weight || n < 2) return n;
+      double weight = 0;
+      for (const Index c : fans_of_[part[i]]) weight += weight_[c];
+      for (const Index c : free_fans_of_[part[i]]) weight += weight_[fans_.size() + c];
+      return 1 + n / (1 + weight);
+    };
     for (;;) {
       // The open region with the fewest options left; the first of them.
       std::size_t best = part.size();
+      double fewest = 0;
       for (std::size_t i = 0; i < part.size(); ++i) {
         if (chosen_[part[i]]) continue;
-        if (stale[i]) left[i] = possible(part[i]), stale[i] = 0;
-        const auto size = [&](std::size_t k) {
-          return left[k] ? left[k]->size() : std::numeric_limits<std::size_t>::max();
-        };
-        if (best == part.size() || size(i) < size(best) ||
-            (size(i) == size(best) && touched[i] > touched[best]))
-          best = i;
-        if (size(best) == 0) break;
+        if (stale[i]) look(i), stale[i] = 0;
+        const double here = size(i);
+        if (best == part.size() || here < fewest || (here == fewest && touched[i] > touched[best]))
+          best = i, fewest = here;
+        if (fewest == 0) break;
       }
-      if (best == part.size()) return true;
+      if (best == part.size()) return Found::yes;
       if (!left[best]) {
         if (!list_options(part[best])) {
           cut_short_ = true;
-          return false;
+          give_up();
+          return Found::no;
         }
-        left[best] = possible(part[best]);
+        look(best);
       }
-      if (!left[best]->empty()) levels.push_back({part[best], *left[best]});
+      if (!left[best]->empty())
+        levels.push_back({part[best], *left[best]});
+      else if (blame[best] >= 0)
+        ++weight_[blame[best]];
       // Take the next option of the deepest level that has one.
       for (;;) {
-        if (levels.empty()) return false;
+        if (levels.empty()) return Found::no;
         Level& level = levels.back();
         if (chosen_[level.region]) spoil(level.region);
         chosen_[level.region] = nullptr;
         if (level.next < level.options.size()) {
           chosen_[level.region] = &options_[level.region][level.options[level.next++]];
           spoil(level.region);
-          if (++out_.search_nodes > most || (out_.search_nodes % 256 == 0 && context_.stop())) {
-            cut_short_ = true;
-            return false;
-          }
+          if (++out_.search_nodes > end || (out_.search_nodes % 256 == 0 && context_.stop()))
+            return give_up();
           break;
         }
         stale[at[level.region]] = 1;
@@ -1276,6 +1320,8 @@ class Assigner {
   std::vector<std::vector<Index>> fans_of_;
   std::map<Index, std::vector<Index>> open_members_;
   Index deepest_fan_ = -1;
+  Index blamed_ = -1;           // the last fan that rejected an option; free fans come after the others
+  std::vector<double> weight_;  // dead ends at each fan, free or not
 };
 
 }  // namespace

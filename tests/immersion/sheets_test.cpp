@@ -225,6 +225,21 @@ TEST(Sheets, WhatIsGluedIsNoConflictOfCurves) {
   EXPECT_GE(open, 5);
 }
 
+// Search steps in order lead nowhere here; attempts that begin where earlier ones have failed are over soon.
+TEST(Sheets, LongSearchesBeginAgainWhereTheyFailed) {
+  const std::uint64_t seed = 628;
+  Surface s = test::noisy(test::elbow(170, 11), seed, 0.02 + 0.03 * static_cast<double>(seed % 7));
+  const auto crossed = test::diagnosed(s).hinges;
+  const Eigen::Vector3d at = s.V.row(crossed[seed % crossed.size()].vertex);
+  s = test::joined(s, test::sphere(1, 0.4, at + 0.05 * Eigen::Vector3d(0.3, 0.5, 0.7)));
+  const Prepared p = test::prepared(s);
+  ASSERT_EQ(p.diagnosis.verdict, Verdict::feasible);
+  const Result<Sheets> sheets = sheets_of(p);
+  ASSERT_TRUE(sheets.ok()) << sheets.error().message;
+  EXPECT_LT(sheets.value().search_nodes, 50'000);
+  EXPECT_EQ(gluing_of(p).verdict, GluingVerdict::open);
+}
+
 // Elbows whose hinges can all be filled, one by one, but not at once: the search sees everything in vain, and
 // the curves say why, in few words, of which none is idle.
 TEST(Sheets, ConflictsOfCurvesHaveNoGluing) {
