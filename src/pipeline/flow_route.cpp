@@ -16,9 +16,16 @@ namespace overtet {
 
 namespace {
 
-// A reverse flow that takes longer than this has locked; what it has by then is judged as it is.
-double reverse_seconds(const FlowRoute& r) {
-  return std::min(60 + 2e-3 * static_cast<double>(r.surface.F.rows()), 0.4 * r.context.seconds_left());
+// A reverse flow that takes more than this (one to a few minutes) has locked; what it has by then is judged
+// as it is.
+constexpr double kReverseWork = 2e7, kReverseWorkOfFace = 600;
+// Of the time that is left, where there is a limit.
+constexpr double kReverseTime = 0.4, kMapTime = 0.8;
+
+void say_cut(const FlowRoute& r, const char* stage) {
+  r.context.note(LogLevel::warning, std::string(stage) +
+                                        " ended early because of the time limit: "
+                                        "with more time the result may be another one.");
 }
 
 template <class Geometry>
@@ -56,11 +63,13 @@ Result<ReverseFlowResult> flow_back(const FlowRoute& r, const ForwardFlowResult&
         if (options.staged)
           for (std::size_t i = 0; i < forward.states.size(); ++i)
             stages.push_back(forward.state(r.surface.V, i));
-        options.max_seconds = std::min(options.max_seconds, reverse_seconds(r));
+        options.max_work = kReverseWork + kReverseWorkOfFace * static_cast<double>(r.surface.F.rows());
+        options.max_seconds = std::min(options.max_seconds, kReverseTime * r.context.seconds_left());
         Result<ReverseFlowResult> back =
             reverse_flow(r.surface, forward.V, stages, forward.reverse_free, options, r.context);
         if (!back) return back;
         const ReverseFlowResult& x = back.value();
+        if (x.termination == ReverseFlowResult::Termination::time) say_cut(r, "The reverse flow");
         record.iterations = x.iterations;
         record.figures = {{"locked", x.locked},
                           {"rollbacks", std::int64_t{x.rollbacks}},
@@ -94,15 +103,17 @@ Result<TetMesh> fill(const FlowRoute& r, const VertexMatrix& U0) {
 Result<TetMesh> map(const FlowRoute& r, const TetMesh& mesh) {
   return timed_stage("volume_map", r.records, r.context, [&](StageRecord& record) -> Result<TetMesh> {
     VolumeMapOptions options;
-    options.seconds = std::min(options.seconds, 0.8 * r.context.seconds_left());
+    options.seconds = std::min(options.seconds, kMapTime * r.context.seconds_left());
     Result<VolumeMapResult> mapped =
         volume_map(mesh, r.surface.V, r.diagnosis.wound.edges, options, r.context);
     if (!mapped) return mapped.error();
     const VolumeMapResult& x = mapped.value();
+    if (x.cut_by_time) say_cut(r, "The volume map");
     record.iterations = static_cast<std::int64_t>(x.rounds.size());
     record.figures = {{"tets", std::int64_t{x.mesh.T.rows()}},
                       {"away_at_start", std::int64_t{x.away_at_start}},
-                      {"refinements", std::int64_t{x.refinements}}};
+                      {"refinements", std::int64_t{x.refinements}},
+                      {"newton_steps", x.newton_steps}};
     return std::move(mapped.value().mesh);
   });
 }

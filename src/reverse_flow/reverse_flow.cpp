@@ -200,8 +200,9 @@ class Reverse {
     int standstill = 0, struggling = 0;
     for (int iteration = 1; iteration <= iterations; ++iteration) {
       if (const auto stop = context_.stop()) return *stop;
-      if (seconds() > o_.max_seconds) {
-        result_.termination = ReverseFlowResult::Termination::time;
+      if (result_.work > o_.max_work || seconds() > o_.max_seconds) {
+        result_.termination = result_.work > o_.max_work ? ReverseFlowResult::Termination::work
+                                                         : ReverseFlowResult::Termination::time;
         return false;
       }
       ReverseFlowStep record;
@@ -258,6 +259,7 @@ class Reverse {
       if (o_.on_state) o_.on_state(U);
       result_.steps.push_back(record);
       result_.rollbacks += record.held;
+      result_.work += static_cast<double>(local_.F.rows() + record.contacts) * (1 + record.halvings);
       ++result_.iterations;
       context_.report(kStage, (number + static_cast<double>(iteration) / iterations) / stages,
                       std::to_string(record.contacts) + " contacts");
@@ -490,7 +492,8 @@ Status ReverseFlowOptions::validate() const {
     return bad("repulsion must not be negative.");
   if (ramp_rings < 0 || ramp_halvings < 0 || global_halvings < 0)
     return bad("halvings must not be negative.");
-  if (!(still >= 0) || !(max_seconds > 0)) return bad("still and max_seconds must be positive.");
+  if (!(still >= 0) || !(max_seconds > 0) || !(max_work > 0))
+    return bad("still, max_work and max_seconds must be positive.");
   return success();
 }
 

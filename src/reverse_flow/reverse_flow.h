@@ -73,8 +73,11 @@ struct ReverseFlowOptions {
   // Stop a stage when no vertex moves further than this part of its mean edge. Small on purpose: ARAP
   // creeps, and stopping early was measured to be worse than iterating on.
   double still = 1e-5;
-  bool align = true;         // if everything was free: the rigid motion that fits U0 to V0 best
-  double max_seconds = 1e9;  // stop iterating then and return what there is
+  bool align = true;  // if everything was free: the rigid motion that fits U0 to V0 best
+  // Stop iterating then and return what there is. Work: free faces and contacts, summed over iterations and
+  // attempts of their line searches; the same on every machine.
+  double max_work = 1e18;
+  double max_seconds = 1e9;  // for runs with a time limit
 
   // A healthy flow shortens steps now and then; one that does it so often in one iteration for so many
   // iterations in a row has locked: it ends, and the caller should try another way.
@@ -116,12 +119,13 @@ struct FlowQuality {
 FlowQuality measure_quality(const VertexMatrix& U, const VertexMatrix& V0, const TriangleMatrix& F);
 
 struct ReverseFlowResult {
-  enum class Termination { nothing_to_do, finished, locked, time };
+  enum class Termination { nothing_to_do, finished, locked, work, time };
   Termination termination = Termination::finished;
   VertexMatrix U0;  // #V x 3, for the faces of the input
   FlowQuality quality;
   std::vector<ReverseFlowStep> steps;
   int iterations = 0;
+  double work = 0;      // as in the options
   Index rollbacks = 0;  // sum of held
   bool locked = false;  // try another way, if there is one
   bool aligned = false;

@@ -1,12 +1,12 @@
 #include "src/volume_map/patch.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
 
-#include "kernels/sparse/cholesky.h"
+#include "kernels/parallel/parallel.h"
+#include "kernels/predicates/predicates.h"
 #include "kernels/tet_energy/tet_energy.h"
 
 namespace overtet::volume_map_detail {
@@ -16,31 +16,16 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kArmijo = 1e-4;
-constexpr int kHalvings = 14;
-
-// Marks the patch's vertices in a table for the life of this object.
-struct LocalNumbers {
-  LocalNumbers(std::vector<Index>& table, const std::vector<Index>& vertices, Index count)
-      : table(table), vertices(vertices) {
-    if (static_cast<Index>(table.size()) < count) table.resize(count, -1);
-    for (std::size_t i = 0; i < vertices.size(); ++i) table[vertices[i]] = static_cast<Index>(i);
-  }
-  ~LocalNumbers() {
-    for (const Index v : vertices) table[v] = -1;
-  }
-  std::vector<Index>& table;
-  const std::vector<Index>& vertices;
-};
+constexpr int kHalvings = 14, kExactHalvings = 6;
+constexpr std::int64_t kGrain = 256;      // tets
+constexpr std::size_t kBuffered = 8192;   // tets whose Hessians are made at a time
+constexpr double kTetWork = 100;          // of a tet in a step, in entries of a factor
+constexpr double kRegularization = 1e-9;  // of the Hessian's diagonal
 
 }  // namespace
 
-PatchSolver::PatchSolver(const VertexMatrix& target, const std::vector<double>& length)
-    : target_(target), length_(length) {}
-
-std::vector<Patch> PatchSolver::grow(const TetComplex& mesh, const std::vector<Index>& seeds,
-                                     int interior_rings, int boundary_rings,
-                                     const std::vector<char>& may_move) {
-  const Index nb = static_cast<Index>(target_.rows());
+std::vector<Patch> grow_patches(const TetComplex& mesh, Index boundary, const std::vector<Index>& seeds,
+                                int interior_rings, int boundary_rings, const std::vector<char>& may_move) {
   std::vector<int> ring(mesh.vertex_count(), -1);
   std::vector<Index> queue, star;
   for (const Index v : seeds)
@@ -62,7 +47,7 @@ std::vector<Patch> PatchSolver::grow(const TetComplex& mesh, const std::vector<I
   }
   std::vector<char> free(mesh.vertex_count(), 0);
   for (const Index v : queue)
-    free[v] = v < nb ? ring[v] <= boundary_rings && may_move[v] : ring[v] <= interior_rings;
+    free[v] = v < boundary ? ring[v] <= boundary_rings && may_move[v] : ring[v] <= interior_rings;
   std::sort(queue.begin(), queue.end());
   std::vector<Patch> patches;
   std::vector<char> in_tets(mesh.tet_capacity(), 0);
@@ -91,173 +76,273 @@ std::vector<Patch> PatchSolver::grow(const TetComplex& mesh, const std::vector<I
   return patches;
 }
 
-double PatchSolver::interior_angle(const TetComplex& mesh, Index a, Index b) {
+std::vector<std::array<Index, 4>> edge_ring(const TetComplex& mesh, Index a, Index b) {
+  std::vector<std::array<Index, 4>> out;
   const Index t = mesh.tet_with_edge(a, b);
-  if (t < 0) return 0;
+  if (t < 0) return out;
   std::vector<Index> tets, link;
   mesh.ring(t, a, b, tets, link);
-  double sum = 0;
-  for (std::size_t i = 0; i < tets.size(); ++i)
-    sum += dihedral_angle(mesh.position(a), mesh.position(b), mesh.position(link[i]),
-                          mesh.position(link[(i + 1) % link.size()]));
-  return sum;
-}
-
-std::vector<PatchSolver::Ring> PatchSolver::rings(const TetComplex& mesh, const Patch& patch) const {
-  std::vector<Ring> out;
-  std::vector<Index> tets, link;
-  for (const AngleGoal& goal : patch.goals) {
-    const Index t = mesh.tet_with_edge(goal.a, goal.b);
-    if (t < 0) continue;
-    mesh.ring(t, goal.a, goal.b, tets, link);
-    Ring ring;
-    ring.goal = goal.angle;
-    for (std::size_t i = 0; i < tets.size(); ++i)
-      ring.corners.push_back({goal.a, goal.b, link[i], link[(i + 1) % link.size()]});
-    out.push_back(std::move(ring));
-  }
+  for (std::size_t i = 0; i < tets.size(); ++i) out.push_back({a, b, link[i], link[(i + 1) % link.size()]});
   return out;
 }
 
-double PatchSolver::energy_at(const TetComplex& mesh, const Patch& patch, const PatchForces& forces,
-                              const std::vector<Ring>& rings, const std::vector<Vector3d>& moved) const {
-  const auto at = [&](Index v) -> const Vector3d& {
-    return local_[v] >= 0 ? moved[local_[v]] : mesh.position(v);
-  };
+double interior_angle(const TetComplex& mesh, Index a, Index b) {
   double sum = 0;
-  for (std::size_t i = 0; i < patch.tets.size(); ++i) {
-    const auto& c = mesh.tet(patch.tets[i]);
-    sum += shape_energy(at(c[0]), at(c[1]), at(c[2]), at(c[3]), patch.size.empty() ? 1 : patch.size[i],
-                        forces.eps);
-    if (!std::isfinite(sum)) return std::numeric_limits<double>::infinity();
+  for (const auto& c : edge_ring(mesh, a, b))
+    sum += dihedral_angle(mesh.position(c[0]), mesh.position(c[1]), mesh.position(c[2]), mesh.position(c[3]));
+  return sum;
+}
+
+PatchNewton::PatchNewton(const TetComplex& mesh, const Patch& patch, const VertexMatrix& target,
+                         const std::vector<double>& length)
+    : patch_(patch),
+      target_(target),
+      length_(length),
+      free_(static_cast<Index>(patch.free.size())),
+      factor_({CholeskyOptions::Ordering::amd, CholeskyOptions::Method::automatic}) {
+  std::vector<Index> held;
+  const auto free_number = [&](Index v) -> Index {
+    const auto i = std::lower_bound(patch.free.begin(), patch.free.end(), v);
+    return i != patch.free.end() && *i == v ? static_cast<Index>(i - patch.free.begin()) : -1;
+  };
+  for (const Index t : patch.tets)
+    for (const Index v : mesh.tet(t))
+      if (free_number(v) < 0) held.push_back(v);
+  std::sort(held.begin(), held.end());
+  held.erase(std::unique(held.begin(), held.end()), held.end());
+  const auto number = [&](Index v) -> Index {
+    if (const Index f = free_number(v); f >= 0) return f;
+    return free_ + static_cast<Index>(std::lower_bound(held.begin(), held.end(), v) - held.begin());
+  };
+  const auto numbers = [&](const Corners& c) {
+    return Corners{number(c[0]), number(c[1]), number(c[2]), number(c[3])};
+  };
+  for (const Index v : patch.free) at_.push_back(mesh.position(v));
+  for (const Index v : held) at_.push_back(mesh.position(v));
+  for (const Index t : patch.tets) tets_.push_back(numbers(mesh.tet(t)));
+  for (const AngleGoal& goal : patch.goals) {
+    Ring ring{{}, goal.angle};
+    for (const Corners& c : goal.ring) ring.corners.push_back(numbers(c));
+    if (!ring.corners.empty()) rings_.push_back(std::move(ring));
   }
-  if (forces.pull > 0)
-    for (std::size_t i = 0; i < patch.free.size(); ++i)
-      if (const Index v = patch.free[i]; v < target_.rows())
-        sum += forces.pull_at(v) * (moved[i] - target_.row(v).transpose()).squaredNorm() /
-               (length_[v] * length_[v]);
+}
+
+std::vector<double> PatchNewton::weights(const PatchForces& forces) const {
+  std::vector<double> w(static_cast<std::size_t>(free_), 0);
+  if (!(forces.pull > 0)) return w;
+  for (Index i = 0; i < free_; ++i) {
+    const Index v = patch_.free[i];
+    if (v >= target_.rows()) continue;
+    w[i] = forces.pull / (length_[v] * length_[v]);
+    if (forces.weight) w[i] *= forces.weight((at_[i] - target_.row(v).transpose()).norm());
+  }
+  return w;
+}
+
+double PatchNewton::energy_at(const PatchForces& forces, const std::vector<double>& weights,
+                              const std::vector<Vector3d>& at) const {
+  double sum = parallel_reduce(
+      static_cast<std::int64_t>(tets_.size()), kGrain, 0.0,
+      [&](std::int64_t begin, std::int64_t end) {
+        double part = 0;
+        for (std::int64_t i = begin; i < end; ++i) {
+          const Corners& c = tets_[i];
+          part += shape_energy(at[c[0]], at[c[1]], at[c[2]], at[c[3]], 1, 0);
+          if (!std::isfinite(part)) return std::numeric_limits<double>::infinity();
+        }
+        return part;
+      },
+      [](double a, double b) { return a + b; });
+  for (Index i = 0; i < free_; ++i)
+    if (weights[i] > 0) sum += weights[i] * (at[i] - target_.row(patch_.free[i]).transpose()).squaredNorm();
   if (forces.angle_weight > 0)
-    for (const Ring& ring : rings) {
+    for (const Ring& ring : rings_) {
       double angle = 0;
-      for (const auto& c : ring.corners) angle += dihedral_angle(at(c[0]), at(c[1]), at(c[2]), at(c[3]));
+      for (const Corners& c : ring.corners) angle += dihedral_angle(at[c[0]], at[c[1]], at[c[2]], at[c[3]]);
       sum += forces.angle_weight * (angle - ring.goal) * (angle - ring.goal);
     }
   return sum;
 }
 
-double PatchSolver::energy(const TetComplex& mesh, const Patch& patch, const PatchForces& forces) const {
-  const LocalNumbers numbers(local_, patch.free, mesh.vertex_count());
-  std::vector<Vector3d> here;
-  for (const Index v : patch.free) here.push_back(mesh.position(v));
-  return energy_at(mesh, patch, forces, rings(mesh, patch), here);
+double PatchNewton::energy(const PatchForces& forces) const {
+  return energy_at(forces, weights(forces), at_);
 }
 
-bool PatchSolver::step(const TetComplex& mesh, const Patch& patch, const PatchForces& forces,
-                       std::vector<Vector3d>& positions) {
-  const LocalNumbers numbers(local_, patch.free, mesh.vertex_count());
-  const int n = static_cast<int>(patch.free.size());
-  if (n == 0) return false;
-  const std::vector<Ring> angle_rings = forces.angle_weight > 0 ? rings(mesh, patch) : std::vector<Ring>{};
+bool PatchNewton::all_positive(const std::vector<Vector3d>& to, bool on_the_way) const {
+  const auto both = [](bool a, bool b) { return a && b; };
+  return parallel_reduce(
+      static_cast<std::int64_t>(tets_.size()), kGrain, true,
+      [&](std::int64_t begin, std::int64_t end) {
+        for (std::int64_t i = begin; i < end; ++i) {
+          const Corners& c = tets_[i];
+          if (on_the_way) {
+            const Vector3d before[4] = {at_[c[0]], at_[c[1]], at_[c[2]], at_[c[3]]};
+            const Vector3d after[4] = {to[c[0]], to[c[1]], to[c[2]], to[c[3]]};
+            if (!positive_on_the_way(before, after)) return false;
+          } else if (orient3d(to[c[0]].data(), to[c[1]].data(), to[c[2]].data(), to[c[3]].data()) <= 0) {
+            return false;
+          }
+        }
+        return true;
+      },
+      both);
+}
 
-  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(3 * n);
-  std::vector<Eigen::Triplet<double, int>> entries;
-  entries.reserve(patch.tets.size() * 78);
-  const auto add = [&](Index v, Index w, int i, int j, double x) {
-    const int row = 3 * local_[v] + i, column = 3 * local_[w] + j;
-    if (row >= column) entries.emplace_back(row, column, x);
+// The pattern: a block for every two free vertices of a tet or of an angle's tets.
+bool PatchNewton::analyze() {
+  std::vector<std::uint64_t> pairs;
+  const auto add = [&](Index v, Index w) {
+    if (!is_free(v) || !is_free(w)) return;
+    pairs.push_back(static_cast<std::uint64_t>(std::min(v, w)) << 32 |
+                    static_cast<std::uint32_t>(std::max(v, w)));
   };
-  double energy = 0;
-  TetEnergy e;
-  for (std::size_t i = 0; i < patch.tets.size(); ++i) {
-    const auto& c = mesh.tet(patch.tets[i]);
-    shape_energy(mesh.position(c[0]), mesh.position(c[1]), mesh.position(c[2]), mesh.position(c[3]),
-                 patch.size.empty() ? 1 : patch.size[i], forces.eps, e);
-    if (!std::isfinite(e.value)) return false;
-    energy += e.value;
-    for (int k = 0; k < 4; ++k) {
-      if (local_[c[k]] < 0) continue;
-      gradient.segment<3>(3 * local_[c[k]]) += e.gradient.segment<3>(3 * k);
-      for (int l = 0; l < 4; ++l) {
-        if (local_[c[l]] < 0) continue;
-        for (int r = 0; r < 3; ++r)
-          for (int s = 0; s < 3; ++s) add(c[k], c[l], r, s, e.hessian(3 * k + r, 3 * l + s));
+  for (const Corners& c : tets_)
+    for (int k = 0; k < 4; ++k)
+      for (int l = k; l < 4; ++l) add(c[k], c[l]);
+  for (const Ring& ring : rings_)
+    for (const Corners& c : ring.corners)
+      for (const Corners& d : ring.corners)
+        for (const Index v : c)
+          for (const Index w : d) add(v, w);
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  block_start_.assign(static_cast<std::size_t>(free_) + 1, 0);
+  block_rows_.clear();
+  for (const std::uint64_t pair : pairs) {
+    ++block_start_[(pair >> 32) + 1];
+    block_rows_.push_back(static_cast<Index>(pair & 0xffffffffu));
+  }
+  for (Index v = 0; v < free_; ++v) block_start_[v + 1] += block_start_[v];
+  hessian_.resize(3 * free_, 3 * free_);
+  hessian_.resizeNonZeros(9 * static_cast<Eigen::Index>(pairs.size()) - 3 * free_);
+  int* const start = hessian_.outerIndexPtr();
+  int* const rows = hessian_.innerIndexPtr();
+  int at = 0;
+  for (Index v = 0; v < free_; ++v)
+    for (int j = 0; j < 3; ++j) {
+      start[3 * v + j] = at;
+      for (Index b = block_start_[v]; b < block_start_[v + 1]; ++b)
+        for (int i = b == block_start_[v] ? j : 0; i < 3; ++i) rows[at++] = 3 * block_rows_[b] + i;
+    }
+  start[3 * free_] = at;
+  return factor_.analyze(hessian_);
+}
+
+PatchNewton::Block PatchNewton::block(Index row, Index column) const {
+  const int* const start = hessian_.outerIndexPtr() + 3 * column;
+  if (row == column) return {{start[0], start[1], start[2]}, true};
+  const auto first = block_rows_.begin() + block_start_[column];
+  const auto p = static_cast<int>(
+      std::lower_bound(first, block_rows_.begin() + block_start_[column + 1], row) - first - 1);
+  return {{start[0] + 3 + 3 * p, start[1] + 2 + 3 * p, start[2] + 1 + 3 * p}, false};
+}
+
+// The energy here, its gradient and its Hessian; an infinite energy where there is none.
+double PatchNewton::assemble(const PatchForces& forces, const std::vector<double>& weights) {
+  double* const values = hessian_.valuePtr();
+  std::fill(values, values + hessian_.nonZeros(), 0.0);
+  gradient_ = Eigen::VectorXd::Zero(3 * free_);
+  // add(r, s): the entry of row r and column s of a block.
+  const auto put = [&](Index v, Index w, const auto& entry) {
+    if (v < w) return;  // the other triangle
+    const Block b = block(v, w);
+    for (int s = 0; s < 3; ++s)
+      for (int r = b.diagonal ? s : 0; r < 3; ++r)
+        values[b.column[s] + r - (b.diagonal ? s : 0)] += entry(r, s);
+  };
+  double energy = 0, part = 0;
+  // Hessians are made by all threads, and added up in the order of the tets.
+  std::vector<TetEnergy> buffer(std::min(kBuffered, tets_.size()));
+  for (std::size_t first = 0; first < tets_.size(); first += kBuffered) {
+    const std::size_t n = std::min(kBuffered, tets_.size() - first);
+    parallel_for(static_cast<std::int64_t>(n), kGrain / 4, [&](std::int64_t begin, std::int64_t end) {
+      for (std::int64_t i = begin; i < end; ++i) {
+        const Corners& c = tets_[first + static_cast<std::size_t>(i)];
+        shape_energy(at_[c[0]], at_[c[1]], at_[c[2]], at_[c[3]], 1, 0, buffer[i]);
+      }
+    });
+    for (std::size_t i = 0; i < n; ++i) {
+      const TetEnergy& e = buffer[i];
+      const Corners& c = tets_[first + i];
+      part += e.value;
+      if (!std::isfinite(part)) return part;
+      if ((first + i + 1) % kGrain == 0) energy += part, part = 0;  // bracketed as energy_at() does
+      for (int k = 0; k < 4; ++k) {
+        if (!is_free(c[k])) continue;
+        gradient_.segment<3>(3 * c[k]) += e.gradient.segment<3>(3 * k);
+        for (int l = 0; l < 4; ++l)
+          if (is_free(c[l])) put(c[k], c[l], [&](int r, int s) { return e.hessian(3 * k + r, 3 * l + s); });
       }
     }
   }
-  if (forces.pull > 0)
-    for (int i = 0; i < n; ++i) {
-      const Index v = patch.free[i];
-      if (v >= target_.rows()) continue;
-      const double w = forces.pull_at(v) / (length_[v] * length_[v]);
-      const Vector3d d = mesh.position(v) - target_.row(v).transpose();
-      energy += w * d.squaredNorm();
-      gradient.segment<3>(3 * i) += 2 * w * d;
-      for (int r = 0; r < 3; ++r) add(v, v, r, r, 2 * w);
-    }
-  for (const Ring& ring : angle_rings) {
-    std::map<Index, Vector3d> slope;
-    double angle = 0;
-    Eigen::Matrix<double, 12, 1> g;
-    for (const auto& c : ring.corners) {
-      angle += dihedral_angle(mesh.position(c[0]), mesh.position(c[1]), mesh.position(c[2]),
-                              mesh.position(c[3]), &g);
-      for (int k = 0; k < 4; ++k)
-        if (local_[c[k]] >= 0) {
-          const auto [at, fresh] = slope.try_emplace(c[k], Vector3d::Zero());
-          at->second += g.segment<3>(3 * k);
-        }
-    }
-    const double d = angle - ring.goal;
-    energy += forces.angle_weight * d * d;
-    for (const auto& [v, gv] : slope) {
-      gradient.segment<3>(3 * local_[v]) += 2 * forces.angle_weight * d * gv;
-      for (const auto& [w, gw] : slope)
-        for (int r = 0; r < 3; ++r)
-          for (int s = 0; s < 3; ++s) add(v, w, r, s, 2 * forces.angle_weight * gv[r] * gw[s]);
-    }
+  energy += part;
+  for (Index i = 0; i < free_; ++i) {
+    if (!(weights[i] > 0)) continue;
+    const Vector3d d = at_[i] - target_.row(patch_.free[i]).transpose();
+    energy += weights[i] * d.squaredNorm();
+    gradient_.segment<3>(3 * i) += 2 * weights[i] * d;
+    put(i, i, [&](int r, int s) { return r == s ? 2 * weights[i] : 0; });
   }
+  if (forces.angle_weight > 0)
+    for (const Ring& ring : rings_) {
+      std::map<Index, Vector3d> slope;
+      double angle = 0;
+      Eigen::Matrix<double, 12, 1> g;
+      for (const Corners& c : ring.corners) {
+        angle += dihedral_angle(at_[c[0]], at_[c[1]], at_[c[2]], at_[c[3]], &g);
+        for (int k = 0; k < 4; ++k)
+          if (is_free(c[k])) {
+            const auto [to, fresh] = slope.try_emplace(c[k], Vector3d::Zero());
+            to->second += g.segment<3>(3 * k);
+          }
+      }
+      const double d = angle - ring.goal;
+      energy += forces.angle_weight * d * d;
+      for (const auto& [v, gv] : slope) {
+        gradient_.segment<3>(3 * v) += 2 * forces.angle_weight * d * gv;
+        for (const auto& [w, gw] : slope)
+          put(v, w, [&](int r, int s) { return 2 * forces.angle_weight * gv[r] * gw[s]; });
+      }
+    }
   // The shape energy does not feel translations and scale of a patch without fixed corners. Relative to each
   // entry: tets of very different sizes may be in one patch, and tiny ones must not hold the others.
-  Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(3 * n);
-  for (const auto& t : entries)
-    if (t.row() == t.col()) diagonal[t.row()] += t.value();
-  for (int i = 0; i < 3 * n; ++i) entries.emplace_back(i, i, 1e-9 * diagonal[i]);
-  SymmetricMatrix H(3 * n, 3 * n);
-  H.setFromTriplets(entries.begin(), entries.end());
-  SparseCholesky factor({CholeskyOptions::Ordering::amd, CholeskyOptions::Method::automatic});
-  if (!factor.analyze(H) || !factor.factor(H)) return false;
-  VertexMatrix B = VertexMatrix::Zero(3 * n, 3);
-  B.col(0) = -gradient;
-  if (!factor.solve(B, B) || !B.col(0).allFinite()) return false;
-  const Eigen::VectorXd direction = B.col(0);
-  const double slope = gradient.dot(direction);
+  for (Index v = 0; v < free_; ++v) {
+    const Block b = block(v, v);
+    for (const int at : b.column) values[at] *= 1 + kRegularization;
+  }
+  return energy;
+}
+
+bool PatchNewton::step(const PatchForces& forces) {
+  if (free_ == 0) return false;
+  if (!analyzed_ && !analyze()) return false;
+  analyzed_ = true;
+  work_ += factor_.factor_entries() + kTetWork * static_cast<double>(tets_.size());
+  const std::vector<double> weights = this->weights(forces);
+  const double energy = assemble(forces, weights);
+  if (!std::isfinite(energy) || !factor_.factor(hessian_)) return false;
+  VertexMatrix direction = VertexMatrix::Zero(3 * free_, 3);
+  direction.col(0) = -gradient_;
+  if (!factor_.solve(direction, direction) || !direction.col(0).allFinite()) return false;
+  const double slope = gradient_.dot(direction.col(0));
   if (!(slope < 0)) return false;
 
-  positions.resize(n);
-  double length = 1;
-  for (int halving = 0; halving < kHalvings; ++halving, length *= 0.5) {
-    for (int i = 0; i < n; ++i)
-      positions[i] = mesh.position(patch.free[i]) + length * direction.segment<3>(3 * i);
-    if (forces.eps == 0) {
-      bool positive = true;
-      for (const Index t : patch.tets) {
-        Vector3d from[4], to[4];
-        for (int k = 0; k < 4; ++k) {
-          const Index v = mesh.tet(t)[k];
-          from[k] = mesh.position(v);
-          to[k] = local_[v] >= 0 ? positions[local_[v]] : from[k];
-        }
-        if (!positive_on_the_way(from, to)) {
-          positive = false;
-          break;
-        }
-      }
-      if (!positive) continue;
-    }
-    if (energy_at(mesh, patch, forces, angle_rings, positions) <= energy + kArmijo * length * slope)
-      return true;
+  std::vector<Vector3d> to = at_;
+  double part = 1;
+  int halving = 0;
+  for (; halving < kHalvings; ++halving, part *= 0.5) {
+    for (Index i = 0; i < free_; ++i)
+      for (int k = 0; k < 3; ++k) to[i][k] = at_[i][k] + part * direction(3 * i + k, 0);
+    if (all_positive(to, true) && energy_at(forces, weights, to) <= energy + kArmijo * part * slope) break;
   }
-  return false;
+  if (halving == kHalvings) return false;
+  // Exact positivity decides; rounding may say no at the end of a good way: go half of it.
+  for (halving = 0; !all_positive(to, false); ++halving) {
+    if (halving == kExactHalvings) return false;
+    for (Index i = 0; i < free_; ++i) to[i] = 0.5 * (to[i] + at_[i]);
+  }
+  at_ = std::move(to);
+  return true;
 }
 
 }  // namespace overtet::volume_map_detail

@@ -3,68 +3,104 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <functional>
+#include <memory>
 #include <vector>
 
+#include "kernels/sparse/cholesky.h"
 #include "overtet/types.h"
 #include "src/tet_complex/tet_complex.h"
 
 namespace overtet::volume_map_detail {
 
-// A boundary edge whose interior dihedral angle is driven to a value; a, b < target rows.
+// A boundary edge whose interior dihedral angle, the sum over its tets, is driven to a value.
 struct AngleGoal {
   Index a, b;
   double angle;
+  std::vector<std::array<Index, 4>> ring;  // its tets as (a, b, c, d)
 };
 
 struct Patch {
-  std::vector<Index> free;   // vertices that move, ascending
-  std::vector<Index> tets;   // with a free corner, ascending
-  std::vector<double> size;  // per tet: the edge length that makes its volume 1 (for eps > 0)
+  std::vector<Index> free;  // vertices that move, ascending
+  std::vector<Index> tets;  // with a free corner, ascending
   std::vector<AngleGoal> goals;
 };
 
-struct PatchForces {
-  double eps = 0;   // of the shape energy, relative to each tet's size; 0: barrier
-  double pull = 0;  // of free boundary vertices to the target
-  const std::vector<double>* weights = nullptr;  // of the pull, by boundary vertex; null: all 1
-  double angle_weight = 0;
+// The free vertices within rings of the seeds: interior ones within `interior_rings`, boundary ones (the
+// first `boundary`) within `boundary_rings` where may_move says so. One patch for each connected group, in
+// the order of their smallest vertex. No two patches share a tet.
+std::vector<Patch> grow_patches(const TetComplex& mesh, Index boundary, const std::vector<Index>& seeds,
+                                int interior_rings, int boundary_rings, const std::vector<char>& may_move);
 
-  double pull_at(Index v) const { return weights ? pull * (*weights)[v] : pull; }
+// The tets around the edge a-b as corners (a, b, c, d); none when there is no such edge.
+std::vector<std::array<Index, 4>> edge_ring(const TetComplex& mesh, Index a, Index b);
+
+// The interior angle at the boundary edge a-b: the sum over its tets. 0 when there is no such edge.
+double interior_angle(const TetComplex& mesh, Index a, Index b);
+
+struct PatchForces {
+  double pull = 0;  // of free boundary vertices to the target, relative to the shape energy of a tet
+  // How much more a vertex so far from its target counts; null: all 1. Called from several threads.
+  std::function<double(double distance)> weight;
+  double angle_weight = 0;
 };
 
-class PatchSolver {
+// Newton steps on one patch, on a copy of its part of the mesh: patches that share no tet may be stepped by
+// several threads at the same time. The work inside a step is shared out as well; same bytes on any number.
+class PatchNewton {
  public:
   // target: of the boundary vertices (the first rows); length: per vertex, the unit of distances.
-  PatchSolver(const VertexMatrix& target, const std::vector<double>& length);
+  // All arguments must outlive it; the mesh is read by the constructor only.
+  PatchNewton(const TetComplex& mesh, const Patch& patch, const VertexMatrix& target,
+              const std::vector<double>& length);
 
-  // The free vertices within rings of the seeds: interior ones within `interior_rings`, boundary ones
-  // within `boundary_rings` where may_move says so. One patch for each connected group, in the order of
-  // their smallest vertex.
-  std::vector<Patch> grow(const TetComplex& mesh, const std::vector<Index>& seeds, int interior_rings,
-                          int boundary_rings, const std::vector<char>& may_move);
+  double energy(const PatchForces& forces) const;
 
-  double energy(const TetComplex& mesh, const Patch& patch, const PatchForces& forces) const;
+  // One step with line search. Every tet is positive on the whole straight way there (up to rounding) and
+  // exactly positive at its end. False: no descent; nothing changes.
+  bool step(const PatchForces& forces);
 
-  // One Newton step with line search. positions: of patch.free after the step. With eps = 0 every tet is
-  // positive on the whole straight way there (up to rounding). False: no descent.
-  bool step(const TetComplex& mesh, const Patch& patch, const PatchForces& forces,
-            std::vector<Eigen::Vector3d>& positions);
+  // Of patch.free.
+  std::vector<Eigen::Vector3d> positions() const { return {at_.begin(), at_.begin() + free_}; }
 
-  // The interior angle at the boundary edge a-b: the sum over its tets. 0 when there is no such edge.
-  static double interior_angle(const TetComplex& mesh, Index a, Index b);
+  // What the steps so far have cost: the same on every machine.
+  double work() const { return work_; }
 
  private:
-  struct Ring {  // tets of a goal's edge as (a, b, c, d)
-    std::vector<std::array<Index, 4>> corners;
+  using Corners = std::array<Index, 4>;
+  struct Ring {
+    std::vector<Corners> corners;
     double goal;
   };
-  std::vector<Ring> rings(const TetComplex& mesh, const Patch& patch) const;
-  double energy_at(const TetComplex& mesh, const Patch& patch, const PatchForces& forces,
-                   const std::vector<Ring>& rings, const std::vector<Eigen::Vector3d>& moved) const;
 
+  bool is_free(Index v) const { return v < free_; }
+  // Where the block of two free vertices (row >= column) begins in each of its columns.
+  struct Block {
+    int column[3];
+    bool diagonal;
+  };
+  Block block(Index row, Index column) const;
+  bool analyze();
+  double assemble(const PatchForces& forces, const std::vector<double>& weights);
+  double energy_at(const PatchForces& forces, const std::vector<double>& weights,
+                   const std::vector<Eigen::Vector3d>& at) const;
+  std::vector<double> weights(const PatchForces& forces) const;
+  bool all_positive(const std::vector<Eigen::Vector3d>& to, bool on_the_way) const;
+
+  const Patch& patch_;
   const VertexMatrix& target_;
   const std::vector<double>& length_;
-  mutable std::vector<Index> local_;  // per vertex: its place in patch.free or -1
+  Index free_ = 0;                   // vertices 0 .. free_ - 1 of at_ are patch.free, the others are held
+  std::vector<Eigen::Vector3d> at_;  // positions now
+  std::vector<Corners> tets_;
+  std::vector<Ring> rings_;
+  // The Hessian's pattern in blocks of 3 x 3, lower triangle: block_rows_[block_start_[c] ...] of column c.
+  std::vector<Index> block_start_, block_rows_;
+  SymmetricMatrix hessian_;
+  Eigen::VectorXd gradient_;
+  SparseCholesky factor_;
+  bool analyzed_ = false;
+  double work_ = 0;
 };
 
 }  // namespace overtet::volume_map_detail

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <map>
 
+#include "kernels/parallel/parallel.h"
 #include "kernels/predicates/predicates.h"
 #include "kernels/tet_energy/tet_energy.h"
 #include "kernels/tet_energy/tet_quality.h"
@@ -35,6 +36,8 @@ constexpr int kNewtonSteps = 4;
 // there count than those at home; rings that may move.
 constexpr double kWithin = 0.95, kSpreadPull = 3, kSpreadWeight = 10, kMostSpreadWeight = 1e4;
 constexpr int kSpreadRings = 8;
+// Spreading ends when, going on as in the last so many rounds, it would not come to what is allowed.
+constexpr std::size_t kSpreadCourse = 8;
 constexpr double kTurnTolerance = 1;  // radians, around an interior edge; a wrong one is off by 2 pi
 
 double seconds_since(RunContext::Clock::time_point t) {
@@ -59,8 +62,7 @@ class Mapper {
         context_(context),
         nb_(mesh.surface_vertices),
         begin_(RunContext::Clock::now()),
-        mesh_(mesh.V, mesh.T),
-        solver_(target, length_) {
+        mesh_(mesh.V, mesh.T) {
     length_.assign(mesh.V.rows(), 0);
     std::vector<int> count(mesh.V.rows(), 0);
     for (Index t = 0; t < mesh_.tet_capacity(); ++t) {
@@ -89,9 +91,11 @@ class Mapper {
       if (other == opposite.end()) continue;
       const auto k = turns.find({a, b});
       const auto at = [&](Index v) { return Vector3d(target_.row(v)); };
-      goals_.push_back({a, b,
+      goals_.push_back({a,
+                        b,
                         surface_angle(at(a), at(b), at(c), at(other->second)) +
-                            2 * M_PI * (k == turns.end() ? 0 : k->second)});
+                            2 * M_PI * (k == turns.end() ? 0 : k->second),
+                        {}});
     }
     wound_ = !wound.empty();
     // Rings on the surface around the wound edges.
@@ -223,7 +227,7 @@ class Mapper {
   double angle_error(const std::vector<AngleGoal>& goals) const {
     double most = 0;
     for (const AngleGoal& g : goals)
-      most = std::max(most, std::fabs(PatchSolver::interior_angle(mesh_, g.a, g.b) - g.angle));
+      most = std::max(most, std::fabs(interior_angle(mesh_, g.a, g.b) - g.angle));
     return most;
   }
 
@@ -233,17 +237,35 @@ class Mapper {
                                           place_of(farthest(list)) + "."};
   }
 
-  // One Newton step of a patch. False: there is none.
-  bool move(LocalOperations& work, const Patch& patch, const PatchForces& forces) {
-    if (!solver_.step(mesh_, patch, forces, positions_)) return false;
-    // Exact positivity decides; rounding may say no at the end of a good way: go half of it.
-    bool placed = work.place_all(patch.free, positions_, patch.tets);
-    for (int half = 0; half < 6 && !placed; ++half) {
-      for (std::size_t i = 0; i < positions_.size(); ++i)
-        positions_[i] = 0.5 * (positions_[i] + mesh_.position(patch.free[i]));
-      placed = work.place_all(patch.free, positions_, patch.tets);
+  bool spent() {
+    if (seconds_since(begin_) > options_.seconds) result_.cut_by_time = true;
+    return result_.work > options_.work || result_.cut_by_time;
+  }
+
+  // A few Newton steps on every patch, all patches at the same time. False: none moves.
+  bool move(LocalOperations& work, const std::vector<Patch>& patches, const PatchForces& forces) {
+    struct Moved {
+      std::vector<Vector3d> to;
+      double work = 0;
+      int steps = 0;
+    };
+    std::vector<Moved> moved(patches.size());
+    parallel_for(static_cast<std::int64_t>(patches.size()), 1, [&](std::int64_t begin, std::int64_t end) {
+      for (std::int64_t i = begin; i < end; ++i) {
+        Moved& m = moved[i];
+        PatchNewton newton(mesh_, patches[i], target_, length_);
+        while (m.steps < kNewtonSteps && !context_.stop() && newton.step(forces)) ++m.steps;
+        m.work = newton.work();
+        if (m.steps > 0) m.to = newton.positions();
+      }
+    });
+    bool any = false;
+    for (std::size_t i = 0; i < patches.size(); ++i) {
+      result_.work += moved[i].work;
+      result_.newton_steps += moved[i].steps;
+      if (moved[i].steps > 0) any = work.place_all(patches[i].free, moved[i].to, patches[i].tets) || any;
     }
-    return placed;
+    return any;
   }
 
   Status pull() {
@@ -258,7 +280,7 @@ class Mapper {
     double last_distances = 1e300;
     for (int round = 0; !list.empty(); ++round) {
       if (auto error = context_.stop()) return *error;
-      if (round >= options_.rounds || seconds_since(begin_) > options_.seconds) return locked(list);
+      if (round >= options_.rounds || spent()) return locked(list);
       const auto round_begin = RunContext::Clock::now();
       std::vector<char> may_move(nb_, 0);
       for (const Index v : list) may_move[v] = 1;
@@ -269,7 +291,7 @@ class Mapper {
                     seeds.end());
       std::vector<Patch> patches;
       for (int rings = options_.interior_rings; rings > 0; --rings) {
-        patches = solver_.grow(mesh_, seeds, rings, 0, may_move);
+        patches = grow_patches(mesh_, nb_, seeds, rings, 0, may_move);
         if (std::none_of(patches.begin(), patches.end(),
                          [](const Patch& patch) { return patch.free.size() > kLargestPatch; }))
           break;
@@ -281,25 +303,23 @@ class Mapper {
       double error = 0;
       if (options_.largest_move > 0 && before_locking_.vertex_count() == 0 && force > kSpreadPull)
         before_locking_ = mesh_;
-      for (Patch& patch : patches) {
-        // Angles at boundary edges with an end that is away; for the branch those around wound edges count.
-        if (wound_) {
-          for (const AngleGoal& g : goals_)
-            if (branch_stage && std::min(near_wound_[g.a], near_wound_[g.b]) > kGoalRings) {
-            } else if ((may_move[g.a] && std::binary_search(patch.free.begin(), patch.free.end(), g.a)) ||
-                       (may_move[g.b] && std::binary_search(patch.free.begin(), patch.free.end(), g.b)))
-              patch.goals.push_back(g);
+      // Angles at boundary edges with an end that is away; for the branch those around wound edges count.
+      if (wound_)
+        for (Patch& patch : patches) {
+          for (const AngleGoal& g : goals_) {
+            if (branch_stage && std::min(near_wound_[g.a], near_wound_[g.b]) > kGoalRings) continue;
+            if ((may_move[g.a] && std::binary_search(patch.free.begin(), patch.free.end(), g.a)) ||
+                (may_move[g.b] && std::binary_search(patch.free.begin(), patch.free.end(), g.b)))
+              patch.goals.push_back({g.a, g.b, g.angle, edge_ring(mesh_, g.a, g.b)});
+          }
+          error = std::max(error, angle_error(patch.goals));
         }
-        error = std::max(error, angle_error(patch.goals));
-        PatchForces forces;
-        forces.pull = branch_stage ? options_.branch_pull : force;
-        forces.angle_weight = !wound_ ? 0 : branch_stage ? options_.angle_weight : std::max(1.0, force);
-        for (int newton = 0; newton < kNewtonSteps; ++newton) {
-          if (auto stop = context_.stop()) return *stop;
-          if (!move(work, patch, forces)) break;
-        }
-        remesh(work, patch);
-      }
+      PatchForces forces;
+      forces.pull = branch_stage ? options_.branch_pull : force;
+      forces.angle_weight = !wound_ ? 0 : branch_stage ? options_.angle_weight : std::max(1.0, force);
+      move(work, patches, forces);
+      if (auto stop = context_.stop()) return *stop;
+      for (const Patch& patch : patches) remesh(work, patch);
       VolumeMapRound record;
       if (!branch_stage) snap(work, list, refinements > 0 ? 1e300 : kSnapReach);
       record.away = static_cast<Index>(list.size());
@@ -323,7 +343,7 @@ class Mapper {
           for (const AngleGoal& g : goals_)
             if ((may_move[g.a] || may_move[g.b]) &&
                 std::min(near_wound_[g.a], near_wound_[g.b]) <= kGoalRings &&
-                std::fabs(PatchSolver::interior_angle(mesh_, g.a, g.b) - g.angle) > kBranchReached) {
+                std::fabs(interior_angle(mesh_, g.a, g.b) - g.angle) > kBranchReached) {
               result_.refinements += refine(work, g.a, branch_rounds % 8 == 0);
               result_.refinements += refine(work, g.b, branch_rounds % 8 == 0);
             }
@@ -383,12 +403,15 @@ class Mapper {
       if (far <= options_.largest_move) break;
       if (early && before_locking_.vertex_count() == 0) continue;
       mesh_ = early ? before_locking_ : best;
-      if (Status s = spread(); !s) return s;
+      bool hopeless = false;
+      if (Status s = spread(hopeless); !s) return s;
       bring_home();
-      if (!better_than(count, far)) continue;
-      best = mesh_;
-      count = away().size();
-      far = farthest_move();
+      if (better_than(count, far)) {
+        best = mesh_;
+        count = away().size();
+        far = farthest_move();
+      }
+      if (hopeless) break;
     }
     mesh_ = std::move(best);
     return success();
@@ -396,20 +419,20 @@ class Mapper {
 
   // What cannot reach its place is held back by its neighbours, which have reached theirs. They give way to
   // those that are too far from theirs: around them everything moves again, pulled the more the farther.
-  Status spread() {
+  Status spread(bool& hopeless) {
     const double limit = kWithin * options_.largest_move;
     LocalOperations work(mesh_);
     work.allow_fixed_chords(false);
     TetComplex best = mesh_;
     double best_move = farthest_move(), last = best_move, force = kSpreadPull;
-    std::vector<double> weights(nb_, 1);
-    const auto weigh = [&] {
-      for (Index v = 0; v < nb_; ++v)
-        weights[v] = 1 + std::min(kSpreadWeight * std::pow(move_of(v) / limit, 6), kMostSpreadWeight);
+    PatchForces forces;
+    forces.weight = [limit](double distance) {
+      return 1 + std::min(kSpreadWeight * std::pow(distance / limit, 6), kMostSpreadWeight);
     };
+    std::vector<double> course;  // of best_move
     int stalled = 0, rings = kSpreadRings;
     for (int round = 0; round < options_.spread_rounds && best_move > options_.largest_move; ++round) {
-      if (seconds_since(begin_) > options_.seconds || force > options_.largest_pull || rings == 0) break;
+      if (spent() || force > options_.largest_pull || rings == 0) break;
       std::vector<char> may_move(nb_, 0);
       for (Index v = 0; v < nb_; ++v) may_move[v] = move_of(v) > 0.5 * limit;
       for (int ring = 0; ring < rings; ++ring) {
@@ -421,20 +444,12 @@ class Mapper {
       std::vector<Index> all;
       for (Index v = 0; v < nb_; ++v)
         if (may_move[v]) all.push_back(v);
-      bool moved = false;
-      for (const Patch& patch : solver_.grow(mesh_, all, options_.interior_rings, 0, may_move)) {
-        if (patch.free.size() > kLargestPatch) continue;
-        PatchForces forces;
-        forces.pull = force;
-        forces.weights = &weights;
-        for (int newton = 0; newton < kNewtonSteps; ++newton) {
-          if (auto stop = context_.stop()) return *stop;
-          weigh();
-          if (!move(work, patch, forces)) break;
-          moved = true;
-        }
-        remesh(work, patch);
-      }
+      forces.pull = force;
+      std::vector<Patch> patches = grow_patches(mesh_, nb_, all, options_.interior_rings, 0, may_move);
+      std::erase_if(patches, [](const Patch& patch) { return patch.free.size() > kLargestPatch; });
+      const bool moved = move(work, patches, forces);
+      if (auto stop = context_.stop()) return *stop;
+      for (const Patch& patch : patches) remesh(work, patch);
       if (!moved) {
         rings /= 2;
         continue;
@@ -445,6 +460,13 @@ class Mapper {
       context_.note(LogLevel::debug, "volume map: spread, farthest " + std::to_string(now / limit) +
                                          " of what is allowed, pull " + std::to_string(force));
       if (now < best_move) best = mesh_, best_move = now;
+      course.push_back(best_move);
+      if (course.size() > kSpreadCourse) {
+        const double gained = course[course.size() - 1 - kSpreadCourse] - best_move;
+        hopeless =
+            best_move - gained * (options_.spread_rounds - round) / kSpreadCourse > options_.largest_move;
+        if (hopeless) break;
+      }
       stalled = now > 0.98 * last ? stalled + 1 : 0;
       last = now;
       if (stalled >= 3) force *= options_.pull_growth, stalled = 0;
@@ -467,13 +489,11 @@ class Mapper {
   const RunContext::Clock::time_point begin_;
   TetComplex mesh_;
   std::vector<double> length_;  // per vertex: mean edge length of the embedding
-  PatchSolver solver_;
   std::vector<std::array<Index, 3>> surface_;
   std::vector<AngleGoal> goals_;
   bool wound_ = false;
   std::vector<int> near_wound_;  // per surface vertex: rings from a wound edge, a large number beyond
   VolumeMapResult result_;
-  std::vector<Vector3d> positions_;
   TetComplex before_locking_;  // a state of the pull with healthy tets
 };
 
@@ -482,8 +502,10 @@ class Mapper {
 Status VolumeMapOptions::validate() const {
   if (interior_rings < 1 || rounds < 1 || branch_rounds < 0 || refinements < 0)
     return Error{ErrorCode::usage, "The volume map's counts must not be negative."};
+  if (!(work > 0 && seconds > 0))
+    return Error{ErrorCode::usage, "The volume map's work and time must be positive."};
   if (!(first_pull > 0 && pull_growth > 1 && largest_pull >= first_pull && branch_pull >= 0 &&
-        angle_weight > 0 && seconds > 0 && largest_move >= 0 && spread_rounds >= 0))
+        angle_weight > 0 && largest_move >= 0 && spread_rounds >= 0))
     return Error{ErrorCode::usage, "The volume map's forces must be positive and grow."};
   return success();
 }

@@ -23,9 +23,10 @@
 // when a dihedral angle at V0 is nearly 0 or 2 pi. The answer is then an error that says how many vertices
 // did not reach their places, and where.
 //
-// Deterministic; one thread.
+// Patches are moved at the same time, the rest is one thread's. Deterministic: same bytes on any number.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -43,8 +44,12 @@ struct VolumeMapOptions {
   double angle_weight = 10;  // of squared radians, branch stage
   int branch_rounds = 25;
   int rounds = 80;
-  int refinements = 5;   // of all stars that resist
-  double seconds = 120;  // of wall time
+  int refinements = 5;  // of all stars that resist
+  // The most that Newton steps may cost: entries of their factors, and 100 a tet; one to two minutes on one
+  // thread. Counted, not timed: the same result on every machine.
+  double work = 2e9;
+  double seconds =
+      1e9;  // of wall time: for runs with a time limit; what there is by then is taken as the end
   // > 0: places that cannot be reached are no error. The boundary ends near them, with few vertices away from
   // their places, and none further away than this, if that can be; infinite: as few as can be.
   double largest_move = 0;
@@ -68,6 +73,9 @@ struct VolumeMapResult {
   std::vector<Index> away;  // at the end, sorted; empty without largest_move
   double farthest = 0;      // the largest distance of one from its place
   Index refinements = 0;    // vertices added
+  std::int64_t newton_steps = 0;
+  double work = 0;           // as in the options
+  bool cut_by_time = false;  // by `seconds`: on another machine it may end elsewhere
   std::vector<VolumeMapRound> rounds;
   double seconds = 0;
 };

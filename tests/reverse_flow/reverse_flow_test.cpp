@@ -136,6 +136,18 @@ TEST(ReverseFlow, StopsInTimeWithWhatItHas) {
   EXPECT_EQ(r.termination, ReverseFlowResult::Termination::time);
 }
 
+TEST(ReverseFlow, StopsWhenItsWorkIsDoneAlwaysAtTheSamePlace) {
+  const Case c = flowed();
+  ReverseFlowOptions options;
+  options.max_work = 20 * static_cast<double>(c.surface.F.rows());
+  const ReverseFlowResult r = run(c, options);
+  EXPECT_EQ(r.termination, ReverseFlowResult::Termination::work);
+  EXPECT_GT(r.work, options.max_work);
+  const ReverseFlowResult again = run(c, options);
+  EXPECT_EQ(r.iterations, again.iterations);
+  EXPECT_EQ(r.U0, again.U0);
+}
+
 TEST(ReverseFlow, LockingIsNoticedAndReported) {
   const Case c = flowed();
   ReverseFlowOptions options;

@@ -7,9 +7,11 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "kernels/bvh/self_intersections.h"
+#include "kernels/parallel/parallel.h"
 #include "src/surface/wound_edges.h"
 #include "src/tet_complex/tet_complex.h"
 #include "src/tet_mesh/tet_mesh.h"
@@ -196,6 +198,33 @@ TEST(VolumeMap, OptionsCancelAndPostconditions) {
   EXPECT_FALSE(check_postconditions(r.value(), s.V).ok());
 }
 
+// The work that patches share out, and where it ends, does not depend on who does it.
+TEST(VolumeMap, ThreadsAndWork) {
+  const Pair p = make_pair(bent_tube(10, 40, 20, 250, 2.5, 0, 0.2), bent_tube(10, 40, 20, 400, 2.5, 0, 0.2));
+  VolumeMapOptions options;
+  const auto whole = volume_map(p.mesh, p.target.V, p.wound, options, {});
+  ASSERT_TRUE(whole.ok());
+  EXPECT_GT(whole.value().work, 0);
+  EXPECT_GT(whole.value().newton_steps, 0);
+  options.work = whole.value().work / 2;
+  options.largest_move = 1;
+  std::optional<VolumeMapResult> first;
+  for (const int threads : {1, 2, 3}) {
+    const ScopedThreads scope(threads);
+    const auto full = volume_map(p.mesh, p.target.V, p.wound, {}, {});
+    ASSERT_TRUE(full.ok());
+    EXPECT_EQ(whole.value().mesh.V, full.value().mesh.V);
+    EXPECT_EQ(whole.value().mesh.T, full.value().mesh.T);
+    const auto half = volume_map(p.mesh, p.target.V, p.wound, options, {});
+    ASSERT_TRUE(half.ok());
+    EXPECT_LT(half.value().rounds.size(), whole.value().rounds.size());
+    EXPECT_FALSE(half.value().cut_by_time);
+    if (!first) first = half.value();
+    EXPECT_EQ(first->mesh.V, half.value().mesh.V);
+    EXPECT_EQ(first->mesh.T, half.value().mesh.T);
+  }
+}
+
 TEST(VolumeMap, PatchStepsGoDownAndStayPositive) {
   using namespace volume_map_detail;
   const TetMesh mesh = test::grid_tets(4, 0.2, 3);
@@ -224,26 +253,26 @@ TEST(VolumeMap, PatchStepsGoDownAndStayPositive) {
       seeds.push_back(v);
     }
   const std::vector<double> length(order.size(), 1);
-  PatchSolver solver(target, length);
-  auto patches = solver.grow(grid, seeds, 3, 0, may_move);
+  auto patches = grow_patches(grid, nb, seeds, 3, 0, may_move);
   ASSERT_EQ(1u, patches.size());
   EXPECT_EQ(25 + 27, static_cast<int>(patches[0].free.size()));
   // The straight interior edges make a turn, the box's own edges a quarter of one.
   for (const auto& f : grid.boundary())
     for (int k = 0; k < 3; ++k) {
-      const double angle = PatchSolver::interior_angle(grid, f[k], f[(k + 1) % 3]);
+      const double angle = interior_angle(grid, f[k], f[(k + 1) % 3]);
       EXPECT_TRUE(std::fabs(angle - M_PI) < 1e-9 || std::fabs(angle - M_PI / 2) < 1e-9);
     }
   PatchForces forces;
   forces.pull = 10;
   forces.angle_weight = 1;
-  patches[0].goals.push_back({seeds[0], seeds[1], 2.0});
-  double energy = solver.energy(grid, patches[0], forces);
-  std::vector<Eigen::Vector3d> positions;
+  patches[0].goals.push_back({seeds[0], seeds[1], 2.0, edge_ring(grid, seeds[0], seeds[1])});
+  PatchNewton newton(grid, patches[0], target, length);
+  double energy = newton.energy(forces);
   int steps = 0;
-  while (steps < 30 && solver.step(grid, patches[0], forces, positions)) {
+  while (steps < 30 && newton.step(forces)) {
+    const std::vector<Eigen::Vector3d> positions = newton.positions();
     for (std::size_t i = 0; i < positions.size(); ++i) grid.move(patches[0].free[i], positions[i]);
-    const double now = solver.energy(grid, patches[0], forces);
+    const double now = newton.energy(forces);
     ASSERT_LE(now, energy);
     energy = now;
     test::expect_valid(grid);
@@ -267,21 +296,21 @@ TEST(VolumeMap, AnglesAreDriven) {
     may_move[v] = 1;
     seeds.push_back(v);
   }
-  PatchSolver solver(s.V, length);
-  auto patches = solver.grow(c, seeds, 3, 0, may_move);
+  auto patches = grow_patches(c, static_cast<Index>(s.V.rows()), seeds, 3, 0, may_move);
   ASSERT_EQ(1u, patches.size());
   ASSERT_TRUE(c.has_edge(middle, middle + 1));
   const double goal = 7;  // more than a turn: over itself
-  ASSERT_LT(PatchSolver::interior_angle(c, middle, middle + 1), 5);
-  patches[0].goals.push_back({middle, middle + 1, goal});
+  ASSERT_LT(interior_angle(c, middle, middle + 1), 5);
+  patches[0].goals.push_back({middle, middle + 1, goal, edge_ring(c, middle, middle + 1)});
   PatchForces forces;
   forces.pull = 0.01;
   forces.angle_weight = 1000;
-  std::vector<Eigen::Vector3d> positions;
-  for (int step = 0; step < 60 && solver.step(c, patches[0], forces, positions); ++step)
-    for (std::size_t i = 0; i < positions.size(); ++i) c.move(patches[0].free[i], positions[i]);
+  PatchNewton newton(c, patches[0], s.V, length);
+  for (int step = 0; step < 60 && newton.step(forces);) ++step;
+  const std::vector<Eigen::Vector3d> positions = newton.positions();
+  for (std::size_t i = 0; i < positions.size(); ++i) c.move(patches[0].free[i], positions[i]);
   test::expect_valid(c);
-  EXPECT_NEAR(goal, PatchSolver::interior_angle(c, middle, middle + 1), 0.5);
+  EXPECT_NEAR(goal, interior_angle(c, middle, middle + 1), 0.5);
 }
 
 }  // namespace
