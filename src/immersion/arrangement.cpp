@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <iterator>
 #include <map>
@@ -12,6 +13,7 @@
 #include <string>
 
 #include "kernels/bvh/self_intersections.h"
+#include "kernels/parallel/grouping.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/predicates/predicates.h"
 #include "src/immersion/exact_triangulation.h"
@@ -45,6 +47,7 @@ using Point3 = Kernel::Point_3;
 // Pairs and faces that a thread takes at once. CGAL's exact numbers may be shared between threads.
 constexpr std::int64_t kPairs = 64;
 constexpr std::int64_t kFaces = 32;
+constexpr std::int64_t kKeys = 4096;  // pieces and points
 
 // Numbers exact points: equal points get equal numbers, whichever faces they were computed from.
 class PointTable {
@@ -316,25 +319,24 @@ class Arranger {
   // Equal positions get one number, in order of appearance.
   void number_input_positions() {
     const Index n = static_cast<Index>(surface_.V.rows());
-    std::vector<Index> order(n);
-    std::iota(order.begin(), order.end(), 0);
-    const auto key = [&](Index v) {
-      return std::array<double, 3>{surface_.V(v, 0), surface_.V(v, 1), surface_.V(v, 2)};
+    const std::size_t mask = std::bit_ceil(2 * static_cast<std::size_t>(n) + 1) - 1;
+    std::vector<Index> table(mask + 1, -1);  // by position: the first vertex there
+    const auto hash = [&](Index v) {
+      std::uint64_t h = 0;
+      for (int k = 0; k < 3; ++k)  // -0 is 0
+        h = (h ^ (h >> 29) ^ std::bit_cast<std::uint64_t>(surface_.V(v, k) + 0.0)) * 0x9e3779b97f4a7c15ull;
+      return static_cast<std::size_t>(h ^ (h >> 32));
     };
-    std::sort(order.begin(), order.end(), [&](Index a, Index b) {
-      const auto ka = key(a), kb = key(b);
-      return ka != kb ? ka < kb : a < b;
-    });
-    std::vector<Index> first(n);
-    for (Index i = 0; i < n; ++i)
-      first[order[i]] = i > 0 && key(order[i]) == key(order[i - 1]) ? first[order[i - 1]] : order[i];
     input_number_.assign(n, -1);
     for (Index v = 0; v < n; ++v) {
-      if (first[v] == v) {
+      std::size_t at = hash(v) & mask;
+      while (table[at] >= 0 && surface_.V.row(table[at]) != surface_.V.row(v)) at = (at + 1) & mask;
+      if (table[at] < 0) {
+        table[at] = v;
         input_number_[v] = static_cast<Index>(points_.size());
         points_.push_back(surface_.V.row(v));
       } else {
-        input_number_[v] = input_number_[first[v]];
+        input_number_[v] = input_number_[table[at]];
       }
     }
     input_positions_ = static_cast<Index>(points_.size());
@@ -438,65 +440,77 @@ class Arranger {
 
   // Drops pieces that have collapsed and makes one of those that coincide; a face folded onto itself cancels.
   void merge() {
-    struct Entry {
-      std::array<Index, 3> key;
-      Index piece;
-    };
-    std::vector<Entry> entries;
     if (points_.size() > static_cast<std::size_t>(input_positions_)) unify_equal_points();
-    for (Index i = 0; i < static_cast<Index>(pieces_.size()); ++i) {
-      auto key = pieces_[i].corners;
-      std::sort(key.begin(), key.end());
-      if (key[0] == key[1] || key[1] == key[2]) continue;
-      if (pieces_[i].cut && collinear(points_[key[0]].data(), points_[key[1]].data(), points_[key[2]].data()))
-        continue;
-      entries.push_back({key, i});
-    }
-    std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
-      return a.key != b.key ? a.key < b.key : a.piece < b.piece;
-    });
-    std::vector<std::pair<Index, Piece>> kept;  // by first number
-    for (std::size_t b = 0; b < entries.size();) {
-      std::size_t e = b + 1;
-      while (e < entries.size() && entries[e].key == entries[b].key) ++e;
-      Piece lead = std::move(pieces_[entries[b].piece]);
-      if (e - b > 1) {
-        std::vector<ArrangementSheet> sheets{lead.sheet};
-        sheets.insert(sheets.end(), lead.more.begin(), lead.more.end());
-        for (std::size_t k = b + 1; k < e; ++k) {
-          const Piece& other = pieces_[entries[k].piece];
-          const auto& o = other.corners;
-          const int at = o[0] == lead.corners[0] ? 0 : o[1] == lead.corners[0] ? 1 : 2;
-          const int sign = o[(at + 1) % 3] == lead.corners[1] ? 1 : -1;
-          const auto add = [&](ArrangementSheet s) {
-            s.sign *= sign;
-            const auto opposite = std::find_if(sheets.begin(), sheets.end(), [&](const ArrangementSheet& t) {
-              return t.face == s.face && t.sign == -s.sign;
-            });
-            if (opposite != sheets.end())
-              sheets.erase(opposite);
-            else
-              sheets.push_back(s);
-          };
-          add(other.sheet);
-          for (const ArrangementSheet& s : other.more) add(s);
-          lead.cut |= other.cut;
-          lead.fresh = true;
-        }
-        drop_folds_at_edges(lead.corners, sheets);
-        if (sheets.empty()) {
-          b = e;
-          continue;
-        }
-        lead.sheet = sheets[0];
-        lead.more.assign(sheets.begin() + 1, sheets.end());
+    const Index n = static_cast<Index>(pieces_.size());
+    std::vector<std::array<Index, 3>> keys(n);
+    std::vector<char> gone(n, 0);
+    parallel_for(n, kKeys, [&](std::int64_t begin, std::int64_t end) {
+      for (std::int64_t i = begin; i < end; ++i) {
+        auto& key = keys[i] = pieces_[i].corners;
+        std::sort(key.begin(), key.end());
+        gone[i] = key[0] == key[1] || key[1] == key[2] ||
+                  (pieces_[i].cut &&
+                   collinear(points_[key[0]].data(), points_[key[1]].data(), points_[key[2]].data()));
       }
-      kept.emplace_back(entries[b].piece, std::move(lead));
-      b = e;
+    });
+    RawVector<Index> start, order;  // pieces by their smallest corner, then by key
+    group_items(static_cast<std::int64_t>(points_.size()), start, order, [&](auto visit) {
+      for (Index i = 0; i < n; ++i)
+        if (!gone[i]) visit(keys[i][0], i);
+    });
+    using Range = std::pair<Index, Index>;  // of `order`: pieces with the same key
+    const std::vector<Range> same = parallel_collect<Range>(
+        static_cast<std::int64_t>(points_.size()), kKeys,
+        [&](std::int64_t begin, std::int64_t end, std::vector<Range>& ranges) {
+          for (std::int64_t v = begin; v < end; ++v) {
+            std::sort(order.begin() + start[v], order.begin() + start[v + 1],
+                      [&](Index i, Index j) { return keys[i] != keys[j] ? keys[i] < keys[j] : i < j; });
+            for (Index b = start[v], e; b < start[v + 1]; b = e) {
+              for (e = b + 1; e < start[v + 1] && keys[order[e]] == keys[order[b]];) ++e;
+              if (e - b > 1) ranges.emplace_back(b, e);
+            }
+          }
+        });
+    for (const auto& [b, e] : same) {
+      Piece& lead = pieces_[order[b]];
+      std::vector<ArrangementSheet> sheets{lead.sheet};
+      sheets.insert(sheets.end(), lead.more.begin(), lead.more.end());
+      for (Index k = b + 1; k < e; ++k) {
+        const Piece& other = pieces_[order[k]];
+        gone[order[k]] = 1;
+        const auto& o = other.corners;
+        const int at = o[0] == lead.corners[0] ? 0 : o[1] == lead.corners[0] ? 1 : 2;
+        const int sign = o[(at + 1) % 3] == lead.corners[1] ? 1 : -1;
+        const auto add = [&](ArrangementSheet s) {
+          s.sign *= sign;
+          const auto opposite = std::find_if(sheets.begin(), sheets.end(), [&](const ArrangementSheet& t) {
+            return t.face == s.face && t.sign == -s.sign;
+          });
+          if (opposite != sheets.end())
+            sheets.erase(opposite);
+          else
+            sheets.push_back(s);
+        };
+        add(other.sheet);
+        for (const ArrangementSheet& s : other.more) add(s);
+        lead.cut |= other.cut;
+        lead.fresh = true;
+      }
+      drop_folds_at_edges(lead.corners, sheets);
+      if (sheets.empty()) {
+        gone[order[b]] = 1;
+        continue;
+      }
+      lead.sheet = sheets[0];
+      lead.more.assign(sheets.begin() + 1, sheets.end());
     }
-    std::sort(kept.begin(), kept.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    pieces_.clear();
-    for (auto& [number, piece] : kept) pieces_.push_back(std::move(piece));
+    Index kept = 0;
+    for (Index i = 0; i < n; ++i) {
+      if (gone[i]) continue;
+      if (kept != i) pieces_[kept] = std::move(pieces_[i]);
+      ++kept;
+    }
+    pieces_.resize(kept);
   }
 
   // Two faces with a common edge, folded onto each other in a sliver along it: rounding has moved a point of

@@ -446,12 +446,12 @@ class Assigner {
         const Index b = tets_.T(faces[f].tet, kFace[faces[f].corner][(i + 1) % 3]);
         uses.push_back({std::min(a, b), std::max(a, b), f, i});
       }
-    parallel_sort(uses);
+    parallel_sort_groups(uses, tets_.V.rows(), [](const auto& use) { return use.p; });
     std::vector<std::pair<Index, Index>> on_surface;  // edges of facets: their rings do not close in a cell
     for (const Triple& c : corners_)
       for (int k = 0; k < 3; ++k)
         on_surface.emplace_back(std::min(c[k], c[(k + 1) % 3]), std::max(c[k], c[(k + 1) % 3]));
-    parallel_sort(on_surface);
+    parallel_sort_groups(on_surface, tets_.V.rows(), [](const auto& edge) { return edge.first; });
     std::vector<std::vector<Index>> faces_of;
     std::vector<Index> open_count;
     for (std::size_t b = 0; b < uses.size();) {
@@ -575,7 +575,7 @@ class Assigner {
         const Index a = corners_[f][(k + 1) % 3], b = corners_[f][(k + 2) % 3];
         uses.push_back({std::min(a, b), std::max(a, b), f, k});
       }
-    parallel_sort(uses);
+    parallel_sort_groups(uses, tets_.V.rows(), [](const auto& use) { return use.p; });
     struct Link {
       Index facet = -1;
       std::vector<Index>

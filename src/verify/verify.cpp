@@ -284,13 +284,20 @@ struct Stars {
 // R3 by vertex numbers: both sides as sorted lists of distinct faces.
 void compare_boundary(VerifyResult& r, const Surface& surface, const std::vector<Triple>& boundary) {
   std::vector<Triple> want, have;
-  for (Index f = 0; f < surface.F.rows(); ++f)
-    want.push_back(smallest_first({surface.F(f, 0), surface.F(f, 1), surface.F(f, 2)}));
-  for (const Triple& f : boundary) have.push_back(smallest_first(f));
-  for (auto* side : {&want, &have}) {
-    parallel_sort(*side);
-    side->erase(std::unique(side->begin(), side->end()), side->end());
-  }
+  const auto distinct = [](std::vector<Triple>& side) {
+    parallel_sort(side);
+    side.erase(std::unique(side.begin(), side.end()), side.end());
+  };
+  parallel_invoke(
+      [&] {
+        for (Index f = 0; f < surface.F.rows(); ++f)
+          want.push_back(smallest_first({surface.F(f, 0), surface.F(f, 1), surface.F(f, 2)}));
+        distinct(want);
+      },
+      [&] {
+        for (const Triple& f : boundary) have.push_back(smallest_first(f));
+        distinct(have);
+      });
   std::vector<Triple> missing, extra;
   std::set_difference(want.begin(), want.end(), have.begin(), have.end(), std::back_inserter(missing));
   std::set_difference(have.begin(), have.end(), want.begin(), want.end(), std::back_inserter(extra));

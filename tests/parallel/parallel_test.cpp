@@ -153,6 +153,20 @@ TEST(Grouping, ItemsStayInOrderOnAnyNumberOfThreads) {
     }
 }
 
+TEST(Grouping, SortInGroupsIsThatOfTheStandardLibrary) {
+  std::mt19937 random(11);
+  for (const int threads : {1, 2, 3})
+    for (const int n : {0, 1, 5000, 100000}) {
+      const ScopedThreads scope(threads);
+      std::vector<std::pair<int, int>> list(n);
+      for (auto& x : list) x = {static_cast<int>(random() % 10000), static_cast<int>(random() % 10)};
+      auto sorted = list;
+      std::sort(sorted.begin(), sorted.end());
+      parallel_sort_groups(list, 10000, [](const auto& x) { return x.first; });
+      EXPECT_EQ(sorted, list);
+    }
+}
+
 TEST(Grouping, SortIsThatOfTheStandardLibrary) {
   std::mt19937 random(12);
   for (const int n : {0, 1, 1000, 32768, 32769, 200000}) {
