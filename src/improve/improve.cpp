@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "kernels/parallel/parallel.h"
+#include "src/improve/lift.h"
 #include "src/improve/passes.h"
 #include "src/improve/refine.h"
 #include "src/tet_complex/local_operations.h"
@@ -314,6 +315,7 @@ Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, cons
     worst = worst_quality(mesh);
     if (!(worst > kLookPays * before)) break;
   }
+  if (since_begin() < budget) result.lifted = lift_worst(mesh, target, silent);
   if (context.cancel && context.stop()) return *context.stop();
   result.after = dihedral_statistics(mesh.V, mesh.T);
   result.seconds = since_begin();

@@ -13,8 +13,9 @@
 // A large mesh is cut into parts (src/tet_complex/parts.h) that are worked on at the same time; then what is
 // left around the cuts is, in fewer parts, and so on: first the refinement of all, then the passes. Last,
 // the worst tets that are left are looked at with all that is around them, piece by piece, by the dearest
-// means. How many parts depends on the number of tets, not on that of threads: same mesh and options, same
-// result. (Only a time limit can break this.)
+// means, and the very worst by changes that make something worse at first (lift.h). How many parts depends on
+// the number of tets, not on that of threads: same mesh and options, same result. (Only a time limit can
+// break this.)
 #pragma once
 
 #include <vector>
@@ -57,6 +58,7 @@ struct ImproveResult {
   End end = End::target_reached;  // of the part that ended worst
   DihedralStatistics before, after;
   std::int64_t refined = 0;  // vertices that refinement inserted
+  int lifted = 0;            // times that a place with one of the worst tets got better at last (lift.h)
   std::vector<ImprovePass>
       passes;               // of all parts together: the n-th passes of a round of parts in one record
   std::vector<int> rounds;  // the number of parts in each round, of refinement, passes and looks

@@ -199,11 +199,11 @@ bool LocalOperations::flip_23(Index t, int k) {
   return commit(cavity_);
 }
 
-bool LocalOperations::remove_edge(Index t, Index a, Index b) {
+bool LocalOperations::remove_edge(Index t, Index a, Index b, double enough) {
   mesh_.ring(t, a, b, ring_, link_);
   const int n = static_cast<int>(ring_.size());
   if (link_.size() != ring_.size() || n < 3 || n > kLargestRing) return false;
-  const double must = worst(ring_);
+  const double must = std::min(worst(ring_), enough);
 
   // best[i][j]: the worst tet of the best triangulation of the ring polygon's corners i..j.
   double best[kLargestRing][kLargestRing];

@@ -6,9 +6,10 @@
 //  2. Boundary faces, boundary edges and boundary vertices stay as they are, to the last bit.
 //  3. The complex stays a 3-manifold with boundary; no two edges get the same end vertices, no two faces
 //     the same corners.
-//  4. The tets around every interior edge still make one turn, if they did before. Why: every cavity here
-//     is the star of an interior vertex, the ring of an interior edge, two tets with a common face, or a
-//     grown cavity whose boundary is seen from the new vertex under exactly 4 pi. Such a cavity is embedded
+//  4. The tets around every interior edge still make one turn, if they did before. Why: where a cavity is
+//     filled anew on its own points, the angles at each of its edges are added up before and after. Every
+//     other cavity is the star of an interior vertex, the ring of an interior edge, two tets with a common
+//     face, or a grown one whose boundary is seen from the new vertex under exactly 4 pi. It is embedded
 //     (one turn around its inner edges and positive tets make the map of the vertex's link to the sphere a
 //     covering of degree one). Old and new tets have the same boundary, hence the same degree at every
 //     point; all positive, they cover every point of the cavity once. So the angle at each edge of the
@@ -64,8 +65,9 @@ class LocalOperations {
   // Two tets with a common face become three around a new edge. Must improve the worst of the two.
   bool flip_23(Index t, int k);
   // Removes the interior edge a-b of t by the best triangulation of its ring (3-2, 4-4, ...; rings of up to
-  // kLargestRing tets, dynamic programming after Klincsek). Must improve the worst tet of the ring.
-  bool remove_edge(Index t, Index a, Index b);
+  // kLargestRing tets, dynamic programming after Klincsek). Must improve the worst tet of the ring, or reach
+  // at least `enough` in every new tet.
+  bool remove_edge(Index t, Index a, Index b, double enough = 1e9);
   // Contracts the edge between the free vertex v and w; v goes to where w is. Must improve the worst tet
   // of v's star, or reach at least `enough` in every new tet.
   bool collapse(Index v, Index w, double enough = 1e9);
@@ -74,6 +76,15 @@ class LocalOperations {
   // better by the factor `gain`.
   bool insert_at_edge(Index t, Index a, Index b, double gain = 1.001);
   bool insert_at_tet(Index t, double gain = 1.001);
+  // The best tets (polyhedron.h) for the star of a free corner of t, which may be left out of them, or else
+  // for what lies around t. Every new tet must be better than t was by the factor `gain`.
+  bool reconnect(Index t, double gain = 1.02);
+  // The best tets for the star of v without v. Must improve the worst tet of the star, or reach at least
+  // `enough` in every new tet.
+  bool remove_vertex(Index v, double enough = 1e9);
+  // The same with v, where it has moved to `to`, without the face `no_face` (of v).
+  bool rebuild_star(Index v, const std::array<Index, 3>& no_face, const Eigen::Vector3d& to,
+                    double enough = 1e9);
   // Delaunay refinement (Shewchuk 1998): a new vertex at the centre of t's circumsphere, instead of the tets
   // around it whose circumspheres contain it. False where the boundary is in the way, where the centre lies
   // in a boundary face's smallest sphere or nearer to a vertex than t's shortest edge is long, and where t
@@ -133,7 +144,15 @@ class LocalOperations {
   bool seen_once(const Eigen::Vector3d& x) const;           // hull_ from x, which sees all of its faces
   bool fill(const Tets& cavity, const Eigen::Vector3d& x);  // tets from hull_ to a new vertex; pre: x sees it
   bool hull_of(const Tets& cavity, std::vector<Face>& hull);  // false: not a ball with free inside vertices
-  bool star_of_free(Index v);                                 // star_ and faces_; false when v is fixed
+  struct Refill {
+    double must = 0;     // new tets must be better
+    Index without = -1;  // a free vertex inside the cavity that is left out
+    std::array<Index, 3> no_face{-1, -1, -1};
+    Index moved = -1;  // a vertex with all of its tets in the cavity, which moves
+    Eigen::Vector3d to = Eigen::Vector3d::Zero();
+  };
+  bool refill(const Tets& cavity, const Refill& how);  // with the best tets on its points
+  bool star_of_free(Index v);                          // star_ and faces_; false when v is fixed
 
   TetComplex& mesh_;
   std::vector<double> quality_;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "kernels/parallel/parallel.h"
+#include "src/improve/lift.h"
 #include "src/improve/refine.h"
 #include "src/tet_complex/local_operations.h"
 #include "src/tetgen/tetgen.h"
@@ -103,6 +104,35 @@ TEST(Improve, ThinLayersUnderTheBoundaryGrow) {
     EXPECT_GT(r.value().after.min, 5);
     EXPECT_GT(r.value().after.p05, 8);
   }
+}
+
+// What the passes leave as their worst gets better, also when the mesh passes through itself.
+TEST(Lift, TheWorstTetsGetBetter) {
+  int lifts = 0;
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    SCOPED_TRACE(seed);
+    TetMesh mesh = test::bent_grid(5, 500, 0.2, seed);
+    const Index boundary_vertices = static_cast<Index>(mesh.V.rows());
+    mesh.surface_vertices = boundary_vertices;  // all keep their numbers
+    const VertexMatrix V = mesh.V;
+    const auto boundary = boundary_of(mesh);
+    const double before = dihedral_statistics(mesh.V, mesh.T).min;
+    TetMesh again = mesh;
+    const int here = lift_worst(mesh, 0.5, {});
+    lifts += here;
+    expect_valid(mesh);
+    EXPECT_EQ(boundary, boundary_of(mesh));
+    for (const auto& f : boundary)
+      for (const Index v : f) EXPECT_EQ(V.row(v), mesh.V.row(v));
+    if (here > 0) {
+      EXPECT_GT(dihedral_statistics(mesh.V, mesh.T).min, before);
+    }
+    EXPECT_EQ(here, lift_worst(again, 0.5, {}));
+    EXPECT_EQ(again.T, mesh.T);
+    EXPECT_EQ(again.V, mesh.V);
+    EXPECT_EQ(0, lift_worst(mesh, 1e-9, {}));  // nothing is that bad
+  }
+  EXPECT_GT(lifts, 5);
 }
 
 TEST(Refine, BadRadiiBecomeFewAndTheMeshStaysValid) {

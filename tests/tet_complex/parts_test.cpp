@@ -157,6 +157,9 @@ TEST(Parts, OperationsInRandomPartsKeepTheWholeValid) {
           if (part.complex.alive(t) && part.complex.tet(t) == c)
             changes += work.insert_at_edge(t, c[e[0]], c[e[1]]);
           if (part.complex.alive(t) && part.complex.tet(t) == c) changes += work.smooth(c[e[0]]);
+          if (random() % 8 == 0 && part.complex.alive(t)) changes += work.reconnect(t);
+          if (random() % 8 == 0 && part.complex.alive(t) && part.complex.tet(t) == c)
+            changes += work.remove_vertex(c[e[1]], 0);
         }
       }
       put_parts(mesh, part_of, parts);

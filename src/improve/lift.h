@@ -1,0 +1,17 @@
+// The last means, for the very worst tets: what lies around one is copied, changed in a way that may make it
+// worse (a vertex more or less, an edge less), mended by all operations that there are, and put back where
+// that has made the worst tets better. So a mesh gets out of states that no single operation improves.
+#pragma once
+
+#include "overtet/run_context.h"
+#include "overtet/types.h"
+
+namespace overtet {
+
+// The worst tet again and again, until it is good enough, or it and the next one resist, or a number of
+// attempts has been made that depends on the number of tets. Returns how many times a place got better.
+// target: the smallest dihedral sine that is good enough. The surface's vertices keep their numbers; others
+// that no tet needs any more are dropped.
+int lift_worst(TetMesh& mesh, double target, const RunContext& context);
+
+}  // namespace overtet
