@@ -13,33 +13,28 @@ struct alignas(64) Counters {
   std::atomic<std::int64_t> value[kCounts] = {};  // written by one thread only
 };
 
-// Counters are never given back, only passed on to threads that start later. Lives as long as the process:
-// threads may end after everything else.
+// Counters are never given back, only passed on to threads that start later.
 struct Registry {
   std::mutex mutex;
   std::deque<Counters> all;
   std::vector<Counters*> unused;
 };
-Registry& registry() {
-  static Registry* const r = new Registry;
-  return *r;
-}
+// Made before any thread starts, and never destroyed: threads may end after everything else.
+Registry& registry = *new Registry;
 
 struct Mine {
   Mine() {
-    Registry& r = registry();
-    const std::lock_guard lock(r.mutex);
-    if (r.unused.empty()) {
-      counters = &r.all.emplace_back();
+    const std::lock_guard lock(registry.mutex);
+    if (registry.unused.empty()) {
+      counters = &registry.all.emplace_back();
     } else {
-      counters = r.unused.back();
-      r.unused.pop_back();
+      counters = registry.unused.back();
+      registry.unused.pop_back();
     }
   }
   ~Mine() {
-    Registry& r = registry();
-    const std::lock_guard lock(r.mutex);
-    r.unused.push_back(counters);
+    const std::lock_guard lock(registry.mutex);
+    registry.unused.push_back(counters);
   }
   Counters* counters;
 };
@@ -53,10 +48,10 @@ void count(Count what, std::int64_t n) {
 }
 
 std::int64_t counted(Count what) {
-  Registry& r = registry();
-  const std::lock_guard lock(r.mutex);
+  const std::lock_guard lock(registry.mutex);
   std::int64_t sum = 0;
-  for (const Counters& c : r.all) sum += c.value[static_cast<int>(what)].load(std::memory_order_relaxed);
+  for (const Counters& c : registry.all)
+    sum += c.value[static_cast<int>(what)].load(std::memory_order_relaxed);
   return sum;
 }
 
