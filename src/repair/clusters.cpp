@@ -1,0 +1,302 @@
+#include "src/repair/clusters.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace overtet {
+
+namespace {
+
+// How a vertex that forbids a mesh is moved: with so many rings around it, so much of the way; wide: as far
+// as moves are allowed at all.
+struct Step {
+  int rings;
+  double part;
+  Smoothing kind;
+  bool wide;
+};
+
+constexpr Smoothing kMembrane = Smoothing::membrane, kPlate = Smoothing::thin_plate;
+constexpr Step kLadder[] = {
+    // Gently.
+    {0, 0.1, kMembrane, false},
+    {0, 0.3, kMembrane, false},
+    {0, 0.6, kMembrane, false},
+    {1, 0.3, kMembrane, false},
+    {0, 0.9, kMembrane, false},
+    {1, 0.6, kMembrane, false},
+    {2, 0.6, kMembrane, false},
+    {1, 0.9, kMembrane, false},
+    {2, 0.9, kMembrane, false},
+    {1, 1.0, kPlate, false},
+    {1, 1.0, kMembrane, false},
+    {2, 1.0, kPlate, false},
+    {3, 0.95, kMembrane, false},
+    {3, 1.0, kPlate, false},
+    // As far as it takes.
+    {0, 0.6, kMembrane, true},
+    {0, 0.9, kMembrane, true},
+    {1, 0.6, kMembrane, true},
+    {1, 0.9, kMembrane, true},
+    {2, 0.9, kMembrane, true},
+    {1, 1.0, kPlate, true},
+    {1, 1.0, kMembrane, true},
+    {2, 1.0, kPlate, true},
+    {3, 0.95, kMembrane, true},
+    {3, 1.0, kPlate, true},
+    {3, 1.0, kMembrane, true},
+    {5, 0.95, kMembrane, true},
+    {5, 1.0, kPlate, true},
+    {5, 1.0, kMembrane, true},
+    {8, 1.0, kPlate, true},
+    {8, 1.0, kMembrane, true},
+    {12, 1.0, kPlate, true},
+    {12, 1.0, kMembrane, true},
+    {18, 1.0, kPlate, true},
+    {18, 1.0, kMembrane, true},
+    {27, 1.0, kMembrane, true},
+    // Creases: less than two rings leaves needles that no mesh generator takes.
+    {2, 1.0, kMembrane, true},
+    {3, 1.0, kMembrane, true},
+    {4, 1.0, kMembrane, true},
+    {6, 1.0, kMembrane, true},
+    {9, 1.0, kMembrane, true},
+    {14, 1.0, kMembrane, true}};
+constexpr int kLevels = static_cast<int>(std::size(kLadder));
+constexpr int kCreaseLevel = kLevels - 6;
+
+constexpr int kGentleLevel = 13;  // the last of the gentle ones
+
+// Creases in which nearly everything crosses nearly everything (offences per vertex) are smoothed as a
+// whole, with all faces that cross so many others of the same crease.
+constexpr double kDense = 8;
+constexpr int kCreasePartners = 4;
+
+}  // namespace
+
+Clusters::Clusters(const Surface& input, const VertexRings& rings, const RepairOptions& options,
+                   double diagonal, double gentle)
+    : input_(input),
+      rings_(rings),
+      options_(options),
+      diagonal_(diagonal),
+      gentle_(gentle),
+      scratch_(static_cast<std::size_t>(input.V.rows()), 0) {
+  clear();
+}
+
+void Clusters::clear() {
+  all_.clear();
+  state_.level.assign(static_cast<std::size_t>(input_.V.rows()), -1);
+  state_.pinned.assign(static_cast<std::size_t>(input_.V.rows()), 0);
+}
+
+bool Clusters::within(const Cluster& c, const Offence& o, int rings) {
+  return sorted_share(rings_.grown(c.region, rings, scratch_), o);
+}
+
+// The crease that the seeds are in: all faces joined to them that cross several others of the same crease.
+Offence Clusters::crease_around(const Surface& now, const Diagnosis& diagnosis, const Offence& seed) const {
+  const Index n = static_cast<Index>(now.F.rows());
+  // Faces that cross others, joined where they share an edge: along a plain curve such a strip crosses
+  // another strip, in a crease it crosses itself.
+  std::vector<char> crosses(static_cast<std::size_t>(n), 0);
+  for (const auto& [f, g] : diagnosis.pairs) crosses[f] = crosses[g] = 1;
+  std::vector<Index> parent(static_cast<std::size_t>(n));
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](Index i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  const std::vector<Index>& twin = diagnosis.topology.topology.twin;
+  for (Index h = 0; h < 3 * n; ++h) {
+    const Index f = half_edge_face(h), g = half_edge_face(twin[h]);
+    if (crosses[f] && crosses[g]) parent[root(f)] = root(g);
+  }
+  std::vector<int> partners(static_cast<std::size_t>(n), 0);
+  for (const auto& [f, g] : diagnosis.pairs)
+    if (root(f) == root(g)) ++partners[f], ++partners[g];
+  std::vector<char> wanted(static_cast<std::size_t>(n), 0);
+  std::vector<char> here(static_cast<std::size_t>(now.V.rows()), 0);
+  for (const Index v : seed) here[v] = 1;
+  for (Index f = 0; f < n; ++f)
+    if (crosses[f] && (here[now.F(f, 0)] || here[now.F(f, 1)] || here[now.F(f, 2)])) wanted[root(f)] = 1;
+  Offence all = seed;
+  for (Index f = 0; f < n; ++f)
+    if (partners[f] >= kCreasePartners && wanted[root(f)])
+      for (int k = 0; k < 3; ++k) all.push_back(now.F(f, k));
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
+// Up the ladder that the vertex is on.
+void Clusters::rise(Index v, int steps) {
+  const int last = (state_.level[v] < kCreaseLevel ? kCreaseLevel : kLevels) - 1;
+  if (state_.level[v] + steps > last) exhausted_ = true;
+  state_.level[v] = std::min(state_.level[v] + steps, last);
+}
+
+bool Clusters::assign(const Surface& now, const Findings& found, const std::vector<char>& turned_near) {
+  exhausted_ = false;
+  const std::vector<Offence>& offences = found.offences;
+  // Offences that share a vertex or an edge belong together.
+  const std::size_t n = offences.size();
+  std::vector<std::size_t> parent(n);
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](std::size_t i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  std::vector<std::int64_t> first_at(now.V.rows(), -1);
+  for (std::size_t i = 0; i < n; ++i)
+    for (const Index v : offences[i]) {
+      if (first_at[v] < 0) first_at[v] = static_cast<std::int64_t>(i);
+      parent[root(i)] = root(static_cast<std::size_t>(first_at[v]));
+    }
+  for (std::size_t i = 0; i < n; ++i)
+    for (const Index v : offences[i])
+      for (const Index u : rings_(v))
+        if (first_at[u] >= 0) parent[root(i)] = root(static_cast<std::size_t>(first_at[u]));
+  std::vector<Offence> groups(n);
+  std::vector<std::size_t> members(n, 0);
+  for (std::size_t i = 0; i < n; ++i) {
+    Offence& g = groups[root(i)];
+    ++members[root(i)];
+    g.insert(g.end(), offences[i].begin(), offences[i].end());
+  }
+  const std::vector<int> before = state_.level;
+  for (std::size_t group = 0; group < n; ++group) {
+    Offence& g = groups[group];
+    if (g.empty()) continue;
+    std::sort(g.begin(), g.end());
+    g.erase(std::unique(g.begin(), g.end()), g.end());
+    int level = -1;
+    for (const Index v : rings_.grown(g, 1, scratch_)) {
+      if (before[v] < 0) continue;
+      state_.level[v] = before[v];
+      rise(v, 1);
+      level = std::max(level, state_.level[v]);
+    }
+    // None next to it: whatever moved it there goes on.
+    if (level < 0)
+      for (const Cluster& c : all_)
+        if (sorted_share(c.region, g)) {
+          if (c.level + 1 == kCreaseLevel || c.level + 1 == kLevels) exhausted_ = true;
+          level = std::max(level, exhausted_ ? c.level : c.level + 1);
+        }
+    if (level < 0 && static_cast<double>(members[group]) > kDense * static_cast<double>(g.size())) {
+      level = kCreaseLevel;
+      g = crease_around(now, found.diagnosis, g);
+    }
+    for (const Index v : g) state_.level[v] = std::max({state_.level[v], level, 0});
+  }
+  for (std::size_t v = 0; v < state_.level.size(); ++v)
+    if ((turned_near[v] || (options_.only_gently && state_.level[v] < kCreaseLevel)) &&
+        state_.level[v] > kGentleLevel)
+      exhausted_ = true;
+  return !exhausted_;
+}
+
+void Clusters::go_on(const VertexMatrix& base, const VertexMatrix& now, const std::vector<Index>& hinges,
+                     const std::optional<Eigen::Vector3d>& at) {
+  place(base);
+  if (!at) {
+    for (Index v = 0; v < static_cast<Index>(state_.level.size()); ++v)
+      if (state_.level[v] >= 0) rise(v, 1), state_.pinned[v] = 1;
+    return;
+  }
+  // The hinges nearest to the place, else the nearest vertex.
+  const Eigen::RowVector3d p = at->transpose();
+  std::vector<std::pair<double, Index>> near;
+  for (const Index v : hinges) near.emplace_back((now.row(v) - p).norm(), v);
+  std::sort(near.begin(), near.end());
+  Offence seeds;
+  for (const auto& [d, v] : near)
+    if (d <= 2 * near[0].first + 1e-12 * diagonal_ && d < 0.05 * diagonal_) seeds.push_back(v);
+  if (seeds.empty()) {
+    Index nearest = 0;
+    (now.rowwise() - p).rowwise().squaredNorm().minCoeff(&nearest);
+    seeds.push_back(nearest);
+  }
+  std::sort(seeds.begin(), seeds.end());
+  const std::vector<Index> around = rings_.grown(seeds, 1, scratch_);
+  // A crease goes as a whole.
+  for (const Cluster& c : all_)
+    if (c.level >= kCreaseLevel && sorted_share(c.region, around)) {
+      for (const Index v : c.region)
+        if (state_.level[v] >= kCreaseLevel) rise(v, 1), state_.pinned[v] = 1;
+      return;
+    }
+  int level = -1;
+  for (const Index v : around)
+    if (state_.level[v] >= 0) {
+      rise(v, 2), state_.pinned[v] = 1;
+      level = std::max(level, state_.level[v]);
+    }
+  for (const Index v : seeds) state_.level[v] = std::max({state_.level[v], level, 1}), state_.pinned[v] = 1;
+}
+
+bool Clusters::pinned(const Cluster& c) const {
+  return c.level >= kCreaseLevel ||
+         std::any_of(c.region.begin(), c.region.end(), [&](Index v) { return state_.pinned[v] != 0; });
+}
+
+void Clusters::place(const VertexMatrix& base) {
+  const auto n = static_cast<std::size_t>(input_.V.rows());
+  std::vector<float> part(n, 0);
+  std::vector<int> level(n, -1);
+  for (int l = 0; l < kLevels; ++l) {
+    std::vector<Index> seeds;
+    for (std::size_t v = 0; v < n; ++v)
+      if (state_.level[v] == l) seeds.push_back(static_cast<Index>(v));
+    if (seeds.empty()) continue;
+    for (const Index v : rings_.grown(seeds, kLadder[l].rings, scratch_)) {
+      part[v] = std::max(part[v], static_cast<float>(kLadder[l].part));
+      level[v] = l;
+    }
+  }
+  all_.clear();
+  std::vector<char> seen(n, 0);
+  const double limit = options_.max_relative_move * diagonal_ * (1 - 1e-9);
+  for (std::size_t first = 0; first < n; ++first) {
+    if (level[first] < 0 || seen[first]) continue;
+    Cluster c;
+    c.region.push_back(static_cast<Index>(first));
+    seen[first] = 1;
+    for (std::size_t i = 0; i < c.region.size(); ++i)
+      for (const Index u : rings_(c.region[i]))
+        if (level[u] >= 0 && !seen[u]) seen[u] = 1, c.region.push_back(u);
+    std::sort(c.region.begin(), c.region.end());
+    for (const Index v : c.region) c.level = std::max(c.level, level[v]);
+    const Step& step = kLadder[c.level];
+    std::vector<float> parts;
+    for (const Index v : c.region) parts.push_back(part[v]);
+    c.to = smoothed(base, base, rings_, c.region, step.kind, parts);
+    if (c.to.rows() == 0) continue;
+    for (std::size_t i = 0; i < c.region.size(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      const Index v = c.region[i];
+      const Eigen::RowVector3d from = input_.V.row(v), move = c.to.row(k) - from;
+      const double most = step.wide ? limit : std::min(limit, std::max(gentle_, (base.row(v) - from).norm()));
+      if (const double length = move.norm(); length > most) c.to.row(k) = from + most / length * move;
+    }
+    all_.push_back(std::move(c));
+  }
+}
+
+VertexMatrix Clusters::compose(const VertexMatrix& base) const {
+  VertexMatrix V = base;
+  for (const Cluster& c : all_)
+    for (std::size_t i = 0; i < c.region.size(); ++i) {
+      const Index v = c.region[i];
+      if (std::binary_search(c.held.begin(), c.held.end(), v)) continue;
+      if (c.part == 1)
+        V.row(v) = c.to.row(static_cast<Eigen::Index>(i));
+      else
+        V.row(v) += c.part * (c.to.row(static_cast<Eigen::Index>(i)) - base.row(v));
+    }
+  return V;
+}
+
+}  // namespace overtet

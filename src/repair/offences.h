@@ -1,0 +1,33 @@
+// What forbids a mesh of a surface, as groups of vertices that could be moved. Internal to src/repair.
+#pragma once
+
+#include <vector>
+
+#include "overtet/result.h"
+#include "overtet/run_context.h"
+#include "overtet/types.h"
+#include "src/repair/smoothing.h"
+#include "src/surface/diagnose.h"
+
+namespace overtet {
+
+// Vertices that forbid a mesh together, sorted.
+using Offence = std::vector<Index>;
+
+struct Findings {
+  Diagnosis diagnosis;
+  std::vector<Offence> offences;
+  bool hopeless = false;  // a component that faces inwards with nothing around it
+};
+
+// The diagnosis of a surface, and what it objects to: faces without area, pairs of faces at which the winding
+// number is negative, vertices. floods: also all vertices around those pairs in front of which the winding
+// number is negative. diagonal: of the surface's box, roughly.
+// Errors: bad_input (not closed, oriented, manifold), limit, interrupted.
+Result<Findings> find_offences(const Surface& surface, const VertexRings& rings, double diagonal, bool floods,
+                               const RunContext& context);
+
+// Whether two sorted lists have something in common.
+bool sorted_share(const std::vector<Index>& a, const std::vector<Index>& b);
+
+}  // namespace overtet
