@@ -22,9 +22,10 @@ namespace {
 constexpr int kMostParts = 256, kLeastParts = 8;
 // In a round around cuts, and in a look: tets in a part, at least.
 constexpr std::int64_t kTetsAroundCuts = 3000, kTetsPerLook = 500;
-// Refinement makes do with two: where nothing is inside yet, tets reach from one side to the other, and what
-// more cuts leave in between costs more than they save.
+// Refinement makes do with two unless parts are larger than this: where nothing is inside yet, tets reach
+// from one side to the other, and what more cuts leave in between costs more than they save.
 constexpr int kRefineParts = 2;
+constexpr std::int64_t kTetsPerRefinePart = 150000;
 // What lies around a place: so many layers of tets. Vertices with more tets than this do not spread it.
 constexpr int kLayers = 2;
 constexpr int kLargestStar = 80;
@@ -40,8 +41,8 @@ constexpr int kMostLooks = 8;
 constexpr int kBadTetWeight = 15, kBadToRefineWeight = 10;
 // Where what hangs together makes parts that differ by less than this factor nothing is cut.
 constexpr double kUneven = 1.3;
-// Cuts may be so far from where they give even parts. Parts to refine are as many as threads, or fewer.
-constexpr double kSlack = 0.15, kSlackToRefine = 0.03;
+// Cuts may be so far from where they give even parts. Of two parts one thread waits for the other.
+constexpr double kSlack = 0.15, kSlackForTwo = 0.03;
 // Refinement may at most multiply the tets by this.
 constexpr std::int64_t kRefinedGrowth = 5;
 // Below this smallest dihedral sine (3 degrees) vertices inside are taken out where that helps.
@@ -267,10 +268,10 @@ Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, cons
     std::vector<Index> chosen(static_cast<std::size_t>(mesh.T.rows()));
     std::iota(chosen.begin(), chosen.end(), 0);
     std::vector<char> fresh;
-    int count = what == Work::both ? 1
-                : what == Work::refine
-                    ? kRefineParts
-                    : std::max(kLeastParts, parts_for(chosen.size(), options.tets_per_part));
+    int count = 1;
+    if (what == Work::refine) count = std::max(kRefineParts, parts_for(chosen.size(), kTetsPerRefinePart));
+    if (what == Work::passes) count = std::max(kLeastParts, parts_for(chosen.size(), options.tets_per_part));
+    const double slack = count == kRefineParts ? kSlackForTwo : kSlack;
     while (!chosen.empty()) {
       context.report("improve",
                      what == Work::refine       ? 0
@@ -281,8 +282,7 @@ Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, cons
       Pieces pieces;
       if (!fresh.empty()) pieces = in_pieces(mesh, chosen, count, weight);
       if (fresh.empty() || pieces.uneven > kUneven)
-        pieces.part_of =
-            cut_apart(mesh, chosen, count, what == Work::refine ? kSlackToRefine : kSlack, weight);
+        pieces.part_of = cut_apart(mesh, chosen, count, slack, weight);
       fresh = round(what, pieces.part_of, count, chosen, weight, fresh);
       if (count == 1 || context.stop()) return;
       const auto before = static_cast<double>(chosen.size());

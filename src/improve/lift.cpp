@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <set>
 #include <utility>
 #include <vector>
@@ -36,6 +37,8 @@ constexpr std::int64_t kDear = 40, kTetsPerDear = 2000;
 constexpr int kDearPerChange = 3;
 constexpr int kMostMends = 60;  // after one change
 constexpr int kMostLifts = 60, kMostFailures = 2;
+// Changes that are tried at the same time.
+constexpr std::int64_t kTrials = 8;
 
 constexpr int kEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
@@ -233,17 +236,37 @@ bool lift(TetMesh& region, std::span<const char> kind, Index t, double target, s
     before = low_qualities(work, goal);
     changes = changes_for(work, at);
   }
-  for (const Change& change : changes) {
-    if (dear <= 0) return false;
-    MeshPart trial = start;
-    LocalOperations work(trial.complex);
-    trial.mark_shared(work);
-    if (!apply(work, at, change, kMayFallTo * worst)) continue;
-    dear -= mend(work, kBetter * worst, goal, kDearPerChange);
-    if (!better(low_qualities(work, goal), before)) continue;
-    start = std::move(trial);
-    put_parts(region, part_of, patch);
-    return true;
+  // All threads try changes; what counts is the first one that helps, as if they were tried one by one.
+  struct Trial {
+    MeshPart part;
+    bool better = false;
+    int dear = 0;
+  };
+  const auto count = static_cast<std::int64_t>(changes.size());
+  for (std::int64_t first = 0; first < count; first += kTrials) {
+    std::array<Trial, kTrials> trials;
+    std::atomic<std::int64_t> helps = kTrials;
+    parallel_tasks(std::min(kTrials, count - first), [&](std::int64_t i) {
+      if (helps < i) return;
+      Trial& trial = trials[i];
+      trial.part = start;
+      LocalOperations work(trial.part.complex);
+      trial.part.mark_shared(work);
+      if (!apply(work, at, changes[first + i], kMayFallTo * worst)) return;
+      trial.dear = mend(work, kBetter * worst, goal, kDearPerChange);
+      trial.better = better(low_qualities(work, goal), before);
+      if (!trial.better) return;
+      for (std::int64_t known = helps; i < known && !helps.compare_exchange_weak(known, i);) {
+      }
+    });
+    for (Trial& trial : trials) {
+      if (dear <= 0) return false;
+      dear -= trial.dear;
+      if (!trial.better) continue;
+      start = std::move(trial.part);
+      put_parts(region, part_of, patch);
+      return true;
+    }
   }
   return false;
 }

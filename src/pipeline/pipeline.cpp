@@ -312,9 +312,24 @@ TetMesh Run::improved(const TetMesh& mesh) {
     if (!r) return r.error();
     const ImproveResult& x = r.value();
     record.iterations = static_cast<std::int64_t>(x.passes.size());
-    record.figures = {{"refined_vertices", x.refined},
-                      {"parts", std::int64_t{x.rounds.empty() ? 0 : x.rounds.front()}},
-                      {"tets", std::int64_t{better.T.rows()}}};
+    ImprovePass all;
+    for (const ImprovePass& pass : x.passes) {
+      all.removed_edges += pass.removed_edges;
+      all.flips += pass.flips;
+      all.smoothed += pass.smoothed;
+      all.collapsed += pass.collapsed;
+      all.inserted += pass.inserted;
+    }
+    record.figures = {
+        {"refined_vertices", x.refined},
+        {"removed_edges", all.removed_edges},
+        {"flips", all.flips},
+        {"smoothed", all.smoothed},
+        {"contracted_edges", all.collapsed},
+        {"inserted_vertices", all.inserted},
+        {"lifted", std::int64_t{x.lifted}},
+        {"parts", std::int64_t{x.rounds.empty() ? 0 : *std::max_element(x.rounds.begin(), x.rounds.end())}},
+        {"tets", std::int64_t{better.T.rows()}}};
     return success();
   });
   return done ? better : mesh;
