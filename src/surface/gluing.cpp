@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -18,16 +19,17 @@ namespace {
 using exact::Rational;
 using exact::Vec;
 
-// Where more sheets lie inside a face, its conditions are left out: it would have too many gluings.
-constexpr int kMostSheets = 6;
+// Conditions of regions with at most so many sheets inside are tried first; then deeper ones, too. Beyond the
+// last number a region has too many gluings.
+constexpr int kSheets[] = {3, 4, 6};
 
-// Steps of the first search; each one after it, which knows where the last ones failed, may take half as many
-// more. Beyond the total the matter is left undecided: a few seconds.
-constexpr std::int64_t kFirstSteps = 300;
-constexpr std::int64_t kMostSteps = 300'000;
+// Gluings of single regions looked at in the first attempt; each one after it, which knows where the last
+// ones failed, may look at half as many more. Beyond the total (about a second) the matter is left undecided.
+constexpr std::int64_t kFirstSteps = 10'000;
+constexpr std::int64_t kMostSteps = 4'000'000;
 
-// Steps to find out whether a conflict is still one without some condition.
-constexpr std::int64_t kMostStepsToDrop = 3000;
+// To find out whether a conflict is still one without some condition.
+constexpr std::int64_t kMostStepsToDrop = 50'000;
 
 // Not in general position; says where.
 struct Degenerate {
@@ -458,19 +460,32 @@ class Cuts {
   std::map<FacePair, std::vector<Index>> triples_;
 };
 
-// A condition on the gluings of some parts: around a piece of curve, or at an edge that may be wound.
+// A condition on the gluings of some parts: around a piece of curve, or at an edge. Between the parts lie
+// sectors; where a shell has been cut open in a sector, its sheets have other names on the other side.
 struct Condition {
   // Around a curve of f and g: f's part in front of g, g's in front of f, f's behind g, g's behind f. At an
   // edge: two parts, then -1.
-  std::array<Index, 4> regions;
+  std::array<Index, 4> regions{-1, -1, -1, -1};
+  // Names in the sectors: in front of both faces, in front of g only, in front of f only, behind both; from
+  // f's part to g's. At an edge: outside, inside; from the first part to the second. -1: the same on both
+  // sides.
+  std::array<Index, 4> names{-1, -1, -1, -1};
+  std::array<char, 4> backwards{0, 0, 0, 0};
   int most = -1;                      // turns at an edge
   Index piece = -1;                   // of a curve
   std::array<Index, 2> edge{-1, -1};  // of the input
-  int size() const { return most < 0 ? 4 : 2; }
+
+  template <class F>
+  void each(F&& f) const {
+    for (const Index r : regions)
+      if (r >= 0) f(r);
+    for (const Index r : names)
+      if (r >= 0) f(r);
+  }
 };
 
 // The sheets outside of a part go on into those inside: the number inside of each outside; one more is
-// inside.
+// inside. Or the names of sheets across a cut.
 using Way = std::vector<signed char>;
 
 int ending(const Way& way) {
@@ -481,19 +496,32 @@ int ending(const Way& way) {
 }
 
 bool holds(const Condition& c, const std::vector<const Way*>& ways) {
+  const auto inverse = [](const Way& way, int x) {
+    return static_cast<int>(std::find(way.begin(), way.end(), x) - way.begin());
+  };
+  const auto across = [&](int sector, int x, bool back = false) {
+    if (c.names[sector] < 0) return x;
+    const Way& way = *ways[c.names[sector]];
+    return back != (c.backwards[sector] != 0) ? inverse(way, x) : static_cast<int>(way[x]);
+  };
   if (c.most < 0) {
     const Way &fp = *ways[c.regions[0]], &gp = *ways[c.regions[1]], &fm = *ways[c.regions[2]],
               &gm = *ways[c.regions[3]];
-    for (std::size_t k = 0; k < fp.size(); ++k)
-      if (fm[gp[k]] != gm[fp[k]]) return false;
-    return gm[ending(fp)] == ending(fm) && fm[ending(gp)] == ending(gm);
+    for (int k = 0; k < static_cast<int>(fp.size()); ++k)
+      if (across(3, fm[across(2, gp[across(0, k)], true)]) != gm[across(1, fp[k])]) return false;
+    return gm[across(1, ending(fp))] == across(3, ending(fm)) &&
+           across(3, fm[across(2, ending(gp), true)]) == ending(gm);
   }
-  const Way &l = *ways[c.regions[0]], &r = *ways[c.regions[1]];
+  // The second part in the names of the first.
+  const Way &l = *ways[c.regions[0]], &other = *ways[c.regions[1]];
+  Way r(l.size());
+  for (int k = 0; k < static_cast<int>(l.size()); ++k)
+    r[k] = static_cast<signed char>(across(1, other[across(0, k)], true));
   unsigned passed = 0;
   int at = ending(l), turns = 0;
   const int end = ending(r);
   while (at != end) {
-    const auto back = std::find(r.begin(), r.end(), at) - r.begin();
+    const int back = inverse(r, at);
     passed |= 1u << back;
     at = l[back];
     if (++turns > c.most) return false;
@@ -517,11 +545,10 @@ class Search {
     weight_.assign(conditions_.size(), 1);
     used_.assign(conditions_.size(), 0);
     for (std::size_t k = 0; k < conditions_.size(); ++k)
-      for (int i = 0; i < conditions_[k].size(); ++i) {
-        const Index r = conditions_[k].regions[i];
+      conditions_[k].each([&](Index r) {
         if (of_[r].empty()) regions_.push_back(r);
         if (of_[r].empty() || of_[r].back() != static_cast<Index>(k)) of_[r].push_back(static_cast<Index>(k));
-      }
+      });
     std::sort(regions_.begin(), regions_.end());
     list_ways();
   }
@@ -550,10 +577,9 @@ class Search {
       seen[seed] = 1;
       for (std::size_t i = 0; i < part.size(); ++i)
         for (const Index k : of_[part[i]])
-          for (int j = 0; j < conditions_[k].size(); ++j) {
-            const Index r = conditions_[k].regions[j];
+          conditions_[k].each([&](Index r) {
             if (!way_[r] && !seen[r]) seen[r] = 1, part.push_back(r);
-          }
+          });
       for (std::int64_t now = kFirstSteps;; now += now / 2) {
         const Answer answer = attempt(part, std::min(now, most - steps_));
         if (answer == Answer::found) break;
@@ -565,9 +591,9 @@ class Search {
 
  private:
   bool is_known(const Condition& c) const {
-    for (int i = 0; i < c.size(); ++i)
-      if (!way_[c.regions[i]]) return false;
-    return true;
+    bool known = true;
+    c.each([&](Index r) { known = known && way_[r]; });
+    return known;
   }
 
   // Sheets carry no names: across the regions of a spanning forest of the shells one way stands for all that
@@ -598,6 +624,13 @@ class Search {
     }
     for (const Index r : regions_) {
       const int n = sheets_[outer_[r]];
+      if (outer_[r] == inner_[r]) {
+        Way way(n);
+        std::iota(way.begin(), way.end(), static_cast<signed char>(0));
+        do ways_[r].push_back(way);
+        while (std::next_permutation(way.begin(), way.end()));
+        continue;
+      }
       for (int ends = n; ends >= 0; --ends) {
         Way way;
         for (int c = 0; c <= n; ++c)
@@ -613,6 +646,7 @@ class Search {
   // The ways of r that contradict nothing; blame: a condition that one of the others contradicts.
   std::vector<Index> possible(Index r, Index& blame) {
     std::vector<Index> out;
+    steps_ += static_cast<std::int64_t>(ways_[r].size());
     for (std::size_t o = 0; o < ways_[r].size(); ++o) {
       way_[r] = &ways_[r][o];
       bool fits = true;
@@ -648,10 +682,12 @@ class Search {
     std::vector<char> stale(n, 1);
     const auto spoil = [&](Index r) {
       for (const Index k : of_[r])
-        for (int i = 0; i < conditions_[k].size(); ++i)
-          if (const auto it = at.find(conditions_[k].regions[i]); it != at.end()) stale[it->second] = 1;
+        conditions_[k].each([&](Index other) {
+          if (const auto it = at.find(other); it != at.end()) stale[it->second] = 1;
+        });
     };
     const std::int64_t end = steps_ + most;
+    std::int64_t chosen = 0;
     const auto leave = [&](Answer answer) {
       if (answer != Answer::found)
         for (const Level& level : levels) way_[level.region] = nullptr;
@@ -682,7 +718,7 @@ class Search {
         if (level.next < level.ways.size()) {
           way_[level.region] = &ways_[level.region][level.ways[level.next++]];
           spoil(level.region);
-          if (++steps_ > end || (steps_ % 256 == 0 && context_.stop())) return leave(Answer::too_long);
+          if (steps_ > end || (++chosen % 256 == 0 && context_.stop())) return leave(Answer::too_long);
           break;
         }
         stale[at[level.region]] = 1;
@@ -728,22 +764,32 @@ class Checker {
     find_conditions();
     out.parts = static_cast<Index>(cuts_.face_of_part.size());
     out.conditions = static_cast<Index>(conditions_.size());
-    Search search = searching(conditions_);
-    const Search::Answer answer = search.run(kMostSteps);
-    out.steps = search.steps();
-    if (auto stop = context_.stop()) return *stop;
-    if (answer == Search::Answer::too_long) {
-      out.message = "The search for a gluing was given up.";
+    out.verdict = GluingVerdict::open;
+    out.message = "Nothing contradicts a gluing along the curves.";
+    std::size_t tried = 0;
+    for (const int most : kSheets) {
+      std::vector<Condition> some;
+      for (const Condition& c : conditions_)
+        if (std::all_of(c.regions.begin(), c.regions.end(),
+                        [&](Index r) { return r < 0 || sheets_[inner_[r]] <= most; }))
+          some.push_back(c);
+      if (some.size() == tried) continue;
+      tried = some.size();
+      Search search = searching(std::move(some));
+      const Search::Answer answer = search.run(kMostSteps);
+      out.steps += search.steps();
+      if (auto stop = context_.stop()) return *stop;
+      if (answer == Search::Answer::found) continue;
+      if (answer == Search::Answer::too_long) {
+        out.verdict = GluingVerdict::undecided;
+        out.message = "The search for a gluing was given up.";
+        return out;
+      }
+      out.verdict = GluingVerdict::conflict;
+      name(fewer(search.needed(), out.steps), out);
+      if (auto stop = context_.stop()) return *stop;
       return out;
     }
-    if (answer == Search::Answer::found) {
-      out.verdict = GluingVerdict::open;
-      out.message = "Nothing contradicts a gluing along the curves.";
-      return out;
-    }
-    out.verdict = GluingVerdict::conflict;
-    name(fewer(search.needed(), out.steps), out);
-    if (auto stop = context_.stop()) return *stop;
     return out;
   }
 
@@ -832,7 +878,7 @@ class Checker {
 
   // Sheets over a shell with handles may change places on the way round. Such shells are cut open: what is
   // left is a tree of parts (those with holes left out), grown around every corner that but one cut leads to.
-  // Conditions across cuts are left out.
+  // Across a cut names change, in the same way until the cut branches.
   void cut_handles(const std::vector<char>& cut, const std::vector<Sector>& sectors,
                    const std::vector<Index>& before, const Sets& corner) {
     sector_cut_.assign(sectors.size(), 0);
@@ -878,6 +924,35 @@ class Checker {
       if (count != 1 || !whole(sectors[only])) continue;
       sector_cut_[only] = 0;
       for (const Index y : corners(sectors[only])) stack.push_back(y);
+    }
+    // Around a corner with two cuts: what one does the other undoes.
+    names_.assign(sectors.size(), -1);
+    backwards_.assign(sectors.size(), 0);
+    // From a half's left to its right is counter-clockwise at its end, clockwise at its beginning; behind the
+    // face the other way round.
+    const auto turns_left = [&](Index i, Index x) {
+      return (corners(sectors[i])[0] == x) != (sectors[i].ku == 1);
+    };
+    for (Index first = 0; first < static_cast<Index>(sectors.size()); ++first) {
+      if (!sector_cut_[first] || names_[first] >= 0) continue;
+      const Index name = static_cast<Index>(name_shells_.size());
+      name_shells_.push_back(shell_[side_of(sectors[first])]);
+      names_[first] = name;
+      std::vector<Index> arc{first};
+      for (std::size_t k = 0; k < arc.size(); ++k) {
+        const Index here = arc[k];
+        for (const Index x : corners(sectors[here])) {
+          std::vector<Index> met;  // twice where both ends are at x
+          for (const Index i : at_corner[x])
+            if (sector_cut_[i]) met.push_back(i);
+          if (met.size() != 2 || met[0] == met[1]) continue;
+          const Index other = met[0] == here ? met[1] : met[0];
+          if (names_[other] >= 0) continue;
+          names_[other] = name;
+          backwards_[other] = (backwards_[here] != 0) != (turns_left(here, x) == turns_left(other, x));
+          arc.push_back(other);
+        }
+      }
     }
   }
 
@@ -951,30 +1026,40 @@ class Checker {
       outer_[region.root(p)] = shell_[2 * p];
       inner_[region.root(p)] = shell_[2 * p + 1];
     }
-    const auto usable = [&](Index r) { return !left_out_[r] && sheets_[inner_[r]] <= kMostSheets; };
-    std::set<std::array<Index, 5>> known;
+    // Names across cuts are unknown like gluings.
+    for (const Index shell : name_shells_) {
+      outer_.push_back(shell);
+      inner_.push_back(shell);
+    }
+    using Key = std::tuple<std::array<Index, 4>, std::array<Index, 4>, std::array<char, 4>, int>;
+    std::set<Key> known;
+    const auto add = [&](Condition& c, std::size_t sector, int sectors) {
+      for (const Index r : c.regions)
+        if (r >= 0 && (left_out_[r] || sheets_[inner_[r]] > *std::rbegin(kSheets))) return;
+      for (int k = 0; k < sectors; ++k)
+        if (names_[sector + k] >= 0) {
+          c.names[k] = parts + names_[sector + k];
+          c.backwards[k] = backwards_[sector + k];
+        }
+      if (known.insert({c.regions, c.names, c.backwards, c.most}).second) conditions_.push_back(c);
+    };
     for (std::size_t i = 0; i < leaves_.size(); ++i) {
       Condition c;
       for (int k = 0; k < 4; ++k) c.regions[k] = region.root(leaves_[i][k]);
       c.piece = static_cast<Index>(i);
-      const auto& r = c.regions;
-      if (!uncut(2 * edge_pieces_.size() + 4 * i, 4) || !std::all_of(r.begin(), r.end(), usable)) continue;
-      if (known.insert({r[0], r[1], r[2], r[3], -1}).second) conditions_.push_back(c);
+      add(c, 2 * edge_pieces_.size() + 4 * i, 4);
     }
     for (std::size_t i = 0; i < edge_pieces_.size(); ++i) {
       const EdgePiece& e = edge_pieces_[i];
-      if (!uncut(2 * i, 2)) continue;
       Condition c;
       c.regions = {region.root(e.left), region.root(e.right), -1, -1};
       c.most = covered_.at(e.half_edge);
       const Index a = half_edge_source(surface_.F, e.half_edge),
                   b = half_edge_target(surface_.F, e.half_edge);
       c.edge = {std::min(a, b), std::max(a, b)};
-      const int sheets = sheets_[outer_[c.regions[0]]];
-      // One sheet outside fits whatever happens.
-      if (c.regions[0] == c.regions[1] || sheets < 2 || !usable(c.regions[0]) || !usable(c.regions[1]))
-        continue;
-      if (known.insert({c.regions[0], c.regions[1], -1, -1, c.most}).second) conditions_.push_back(c);
+      // One sheet outside fits whatever happens, where it may turn.
+      const bool idle = c.most > 0 && sheets_[outer_[c.regions[0]]] < 2;
+      if (!idle && (c.regions[0] != c.regions[1] || !uncut(2 * i, 2))) add(c, 2 * i, 2);
     }
   }
 
@@ -1045,6 +1130,9 @@ class Checker {
   std::map<Index, int> covered_;              // per edge of the input: how often, all along
   std::vector<char> sector_cut_;              // two a piece of an edge, then four a piece of a curve
   std::vector<char> left_out_;                // per part
+  std::vector<Index> names_;                  // per sector: what changes there, or -1
+  std::vector<char> backwards_;               // per sector
+  std::vector<Index> name_shells_;            // per change of names
   std::vector<int> sheets_;                   // per shell
   std::vector<Index> outer_, inner_;          // per region, named by one of its parts: shells
   std::vector<Condition> conditions_;

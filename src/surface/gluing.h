@@ -14,8 +14,9 @@
 //
 // Exact: the curves, the parts of faces and the order of sectors are found from the input's doubles with
 // exact predicates and rational numbers; nothing is rounded, and no mesh is made. Only for surfaces in
-// general position: where faces touch, or are coplanar where they meet, or where a region that is covered
-// more than once has a handle, nothing is decided by it, or less.
+// general position: where faces touch, or are coplanar where they meet, nothing is decided. Sheets over a
+// region with handles may change places on the way round; how is tried like the rest. Left out is what has
+// more than 6 sheets, or a hole in a face beside such a region.
 #pragma once
 
 #include <array>
@@ -41,8 +42,7 @@ struct GluingAnswer {
   GluingVerdict verdict = GluingVerdict::undecided;
   std::string message;  // why there is no mesh, or nothing was decided
 
-  // Of a conflict: conditions that contradict each other, few of them; without any of these the search
-  // that found them has another way out.
+  // Of a conflict: conditions that contradict each other, few of them.
   struct Crossing {
     FacePair faces;                 // the conditions along their common curve,
     int layers = 0;                 // where it has so many sheets in front of both faces

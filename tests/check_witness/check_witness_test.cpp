@@ -311,7 +311,7 @@ std::string gluing_witness(const GluingAnswer& a, std::size_t without) {
 
 // Elbows with a sphere around a hinge: every hinge can be filled by itself, but not all at once.
 TEST_F(CheckWitness, LayersThatCannotBeGlued) {
-  for (const std::uint64_t seed : {87, 213, 244}) {
+  for (const std::uint64_t seed : {87, 213, 403}) {  // the last one has a region with a handle
     const Surface s =
         pierced_at_hinge(test::elbow(110 + 20.0 * static_cast<double>(seed % 4), 8 + seed % 3), seed);
     const Diagnosis d = diagnosed(s);
