@@ -244,7 +244,8 @@ bool Parts::share_out(Part& whole, Index count) {
   });
   std::vector<Part> parts(count);
   for (std::int64_t i = 0; i < n; ++i) parts[box[i]].tets.push_back(whole.tets[i]);
-  if (std::any_of(parts.begin(), parts.end(), [](const Part& p) { return p.tets.empty(); })) return false;
+  if (std::count_if(parts.begin(), parts.end(), [](const Part& p) { return !p.tets.empty(); }) < 2)
+    return false;
   const Index first = static_cast<Index>(parts_.size());
   for (std::int64_t i = 0; i < n; ++i) part_of_[whole.tets[i]] = first + box[i];
   for (const auto& [t, f] : whole.missing) parts[part_of_[t] - first].missing.emplace_back(t, f);
