@@ -9,6 +9,7 @@
 
 #include "kernels/parallel/parallel.h"
 #include "src/improve/lift.h"
+#include "src/improve/passes.h"
 #include "src/improve/refine.h"
 #include "src/tet_complex/local_operations.h"
 #include "src/tetgen/tetgen.h"
@@ -117,7 +118,7 @@ TEST(Lift, TheWorstTetsGetBetter) {
     const VertexMatrix V = mesh.V;
     const auto boundary = boundary_of(mesh);
     const double before = dihedral_statistics(mesh.V, mesh.T).min;
-    TetMesh again = mesh;
+    const TetMesh again = mesh;
     const int here = lift_worst(mesh, 0.5, {});
     lifts += here;
     expect_valid(mesh);
@@ -127,9 +128,13 @@ TEST(Lift, TheWorstTetsGetBetter) {
     if (here > 0) {
       EXPECT_GT(dihedral_statistics(mesh.V, mesh.T).min, before);
     }
-    EXPECT_EQ(here, lift_worst(again, 0.5, {}));
-    EXPECT_EQ(again.T, mesh.T);
-    EXPECT_EQ(again.V, mesh.V);
+    for (const int threads : {1, 2, 3}) {
+      const ScopedThreads scope(threads);
+      TetMesh copy = again;
+      EXPECT_EQ(here, lift_worst(copy, 0.5, {}));
+      EXPECT_EQ(copy.T, mesh.T);
+      EXPECT_EQ(copy.V, mesh.V);
+    }
     EXPECT_EQ(0, lift_worst(mesh, 1e-9, {}));  // nothing is that bad
   }
   EXPECT_GT(lifts, 5);
@@ -160,6 +165,28 @@ TEST(Refine, BadRadiiBecomeFewAndTheMeshStaysValid) {
     EXPECT_LE(refine(work, 1.5, {}, 0, {}), 0);  // no more tets allowed
     EXPECT_EQ(vertices, c.vertex_count());
   }
+}
+
+TEST(Passes, TetsKnownToHaveResistedAreLeftAlone) {
+  TetMesh mesh = filled(test::torus_surface(40, 16, 2, .7), true);
+  ASSERT_GT(squeeze(mesh, 1e-3, 1, 7), 100);
+  const ImproveOptions options;
+  const auto changes = [&](const std::vector<char>& fresh) {
+    TetComplex c(mesh.V, mesh.T);
+    LocalOperations work(c);
+    const PassesResult r = improve_passes(work, fresh, options, false, 1e9, {});
+    std::int64_t n = 0;
+    for (const ImprovePass& p : r.passes)
+      n += p.removed_edges + p.flips + p.smoothed + p.collapsed + p.inserted;
+    if (n > 0) test::expect_valid(c);
+    return n;
+  };
+  std::vector<char> fresh(static_cast<std::size_t>(mesh.V.rows()), 0);
+  EXPECT_EQ(0, changes(fresh));
+  const std::int64_t all = changes({});
+  EXPECT_GT(all, 0);
+  std::fill(fresh.begin(), fresh.end(), 1);
+  EXPECT_EQ(all, changes(fresh));
 }
 
 TEST(Improve, InPartsAsGoodAsInOnePiece) {
