@@ -6,6 +6,7 @@
 
 #include "kernels/bvh/self_intersections.h"
 #include "src/forward_flow/forward_flow.h"
+#include "src/pipeline/locked_patch.h"
 #include "src/pipeline/stage_clock.h"
 #include "src/reverse_flow/reverse_flow.h"
 #include "src/tet_mesh/tet_mesh.h"
@@ -100,22 +101,48 @@ Result<TetMesh> fill(const FlowRoute& r, const VertexMatrix& U0) {
   return mesh;
 }
 
-Result<TetMesh> map(const FlowRoute& r, const TetMesh& mesh) {
-  return timed_stage("volume_map", r.records, r.context, [&](StageRecord& record) -> Result<TetMesh> {
-    VolumeMapOptions options;
-    options.seconds = std::min(options.seconds, kMapTime * r.context.seconds_left());
-    Result<VolumeMapResult> mapped =
-        volume_map(mesh, r.surface.V, r.diagnosis.wound.edges, options, r.context);
-    if (!mapped) return mapped.error();
-    const VolumeMapResult& x = mapped.value();
-    if (x.cut_by_time) say_cut(r, "The volume map");
-    record.iterations = static_cast<std::int64_t>(x.rounds.size());
-    record.figures = {{"tets", std::int64_t{x.mesh.T.rows()}},
-                      {"away_at_start", std::int64_t{x.away_at_start}},
-                      {"refinements", std::int64_t{x.refinements}},
-                      {"newton_steps", x.newton_steps}};
-    return std::move(mapped.value().mesh);
-  });
+// What locks is kept as a problem of its own. careful: with more around it that may move, a force that grows
+// slowly, and more vertices added.
+Result<TetMesh> map(const FlowRoute& r, const TetMesh& mesh, bool careful) {
+  Status kept = success();
+  Result<TetMesh> mapped =
+      timed_stage("volume_map", r.records, r.context, [&](StageRecord& record) -> Result<TetMesh> {
+        VolumeMapOptions options;
+        if (careful) {
+          options.interior_rings = 6;
+          options.pull_growth = 1.6;
+          options.rounds = 140;
+          options.refinements = 8;
+        }
+        if (r.save)
+          options.on_locked = [&](const TetMesh& state, const std::vector<Index>& away) {
+            const LockedSolid patch = solid_around(state, r.surface.V, away);
+            kept = r.save->save_problem("locked", patch.target, patch.start);
+          };
+        options.seconds = std::min(options.seconds, kMapTime * r.context.seconds_left());
+        Result<VolumeMapResult> mapped =
+            volume_map(mesh, r.surface.V, r.diagnosis.wound.edges, options, r.context);
+        if (!mapped) return mapped.error();
+        const VolumeMapResult& x = mapped.value();
+        if (x.cut_by_time) say_cut(r, "The volume map");
+        record.iterations = static_cast<std::int64_t>(x.rounds.size());
+        record.figures = {{"tets", std::int64_t{x.mesh.T.rows()}},
+                          {"away_at_start", std::int64_t{x.away_at_start}},
+                          {"refinements", std::int64_t{x.refinements}},
+                          {"newton_steps", x.newton_steps}};
+        return std::move(mapped.value().mesh);
+      });
+  if (!kept) return kept.error();
+  return mapped;
+}
+
+// A map that locks is tried once more in another way.
+Result<TetMesh> map_twice(const FlowRoute& r, const TetMesh& mesh) {
+  Result<TetMesh> mapped = map(r, mesh, false);
+  if (mapped || mapped.error().code != ErrorCode::unsolved) return mapped;
+  Result<TetMesh> again = map(r, mesh, true);
+  if (again || again.error().code != ErrorCode::unsolved) return again;
+  return mapped;
 }
 
 // From a saved state on, the latest one there is; none when there is none.
@@ -129,7 +156,7 @@ std::optional<Result<TetMesh>> resumed(const FlowRoute& r) {
     if (!mesh) return mesh.error();
     if (embedded.value().F != r.surface.F || !verify(embedded.value(), mesh.value(), {}, r.context).ok())
       return damaged("tet_mesh");
-    return map(r, mesh.value());
+    return map_twice(r, mesh.value());
   }
   if (r.resume->has("embedded")) {
     Result<Surface> embedded = r.resume->load_surface("embedded");
@@ -140,7 +167,7 @@ std::optional<Result<TetMesh>> resumed(const FlowRoute& r) {
       return damaged("embedded");
     Result<TetMesh> mesh = fill(r, s.V);
     if (!mesh) return mesh.error();
-    return map(r, mesh.value());
+    return map_twice(r, mesh.value());
   }
   return std::nullopt;
 }
@@ -155,6 +182,8 @@ Result<TetMesh> mesh_by_flow(const FlowRoute& r) {
   const std::size_t rungs = std::min(forward_ladder.size(), reverse_ladder.size());
   std::optional<ReverseFlowResult> best;
   Error last{ErrorCode::unsolved, "No flow was tried."};
+  int maps = 0;
+  TetMesh locked_once;  // what was mapped in vain, in one way only
   const auto ends_the_run = [](const Error& e) {
     return e.code == ErrorCode::limit || e.code == ErrorCode::interrupted || e.code == ErrorCode::io;
   };
@@ -180,13 +209,20 @@ Result<TetMesh> mesh_by_flow(const FlowRoute& r) {
     if (Status s = keep(r, "embedded", Surface{best->U0, r.surface.F}); !s) return s.error();
     Result<TetMesh> filled = fill(r, best->U0);
     if (filled) {
-      Result<TetMesh> mapped = map(r, filled.value());
+      ++maps;
+      Result<TetMesh> mapped = map(r, filled.value(), false);
       if (mapped || ends_the_run(mapped.error())) return mapped;
-      last = {ErrorCode::unsolved, "Volume map: " + mapped.error().message};
+      last = {ErrorCode::unsolved, "Volume map: " + mapped.error().message, mapped.error().place};
+      locked_once = maps == 1 ? std::move(filled).value() : TetMesh();
     } else {
       if (ends_the_run(filled.error())) return filled;
       last = {ErrorCode::unsolved, "Tet mesh: " + filled.error().message};
     }
+  }
+  // Only one embedding was worth mapping, and it locked before the ladder's end.
+  if (locked_once.T.rows() > 0) {
+    Result<TetMesh> mapped = map(r, locked_once, true);
+    if (mapped || ends_the_run(mapped.error())) return mapped;
   }
   return last;
 }

@@ -2,7 +2,9 @@
 // back to its shape without letting it touch itself, fill that with tets, map them to the input.
 //
 // The flows are tried along their ladder of settings until one result is not locked (a part that stays
-// collapsed); the best result goes on. When the map fails, the ladder's next rung is tried while time lasts.
+// collapsed); the best result goes on. When the map fails, the ladder's next rung is tried; when none is
+// better, the map is tried in another way. What locks is saved as a problem of its own (`locked/`), small and
+// to be resumed by itself.
 #pragma once
 
 #include <functional>

@@ -183,8 +183,10 @@ Status Run::try_routes() {
                       }});
   if (options_.preset == Preset::standard) routes.push_back({"immersion", [&] { return mesh_immersed(); }});
   routes.push_back({"flow", [&] {
-                      return mesh_by_flow({surface_, found_.diagnosis, context_, report_.stages,
-                                           save_ ? &*save_ : nullptr, resume_ ? &*resume_ : nullptr});
+                      Result<TetMesh> mesh =
+                          mesh_by_flow({surface_, found_.diagnosis, context_, report_.stages,
+                                        save_ ? &*save_ : nullptr, resume_ ? &*resume_ : nullptr});
+                      return mesh ? std::move(mesh) : Result<TetMesh>(in_input_space(mesh.error()));
                     }});
   std::string told;
   ErrorCode code = ErrorCode::unsolved;

@@ -7,6 +7,7 @@
 #include "src/io/file.h"
 #include "src/io/surface_io.h"
 #include "src/io/tet_io.h"
+#include "src/pipeline/pipeline.h"
 #include "src/report/report.h"
 
 namespace overtet {
@@ -73,6 +74,17 @@ Status StageFiles::save(const std::string& name, TetMesh mesh) {
   out_of_unit_box(mesh.V, box_);
   if (Status s = write_tets(folder_ + "/" + name + ".vtu", mesh, TetFormat::vtu); !s) return s;
   return remember(name);
+}
+
+Status StageFiles::save_problem(const std::string& name, Surface surface, const TetMesh& mesh) const {
+  out_of_unit_box(surface.V, box_);
+  const std::string folder = folder_ + "/" + name;
+  Result<StageFiles> files = create(folder, hash_of(surface), box_);
+  if (!files) return files.error();
+  StageFiles& f = files.value();
+  if (Status s = write_surface(folder + "/input.ply", surface, SurfaceFormat::ply); !s) return s;
+  if (Status s = f.save("embedded", Surface{mesh.V.topRows(surface.V.rows()), surface.F}); !s) return s;
+  return f.save("tet_mesh", mesh);
 }
 
 bool StageFiles::has(const std::string& name) const {

@@ -26,6 +26,10 @@ class StageFiles {
   Status save(const std::string& name, Surface surface);
   Status save(const std::string& name, TetMesh mesh);
 
+  // A problem of its own in the folder NAME, to be resumed there: the surface as NAME/input.ply, and the last
+  // states of a flow that ends at it, `mesh` with the surface's vertices first.
+  Status save_problem(const std::string& name, Surface surface, const TetMesh& mesh) const;
+
   bool has(const std::string& name) const;
   Result<Surface> load_surface(const std::string& name) const;
   Result<TetMesh> load_mesh(const std::string& name, Index surface_vertices) const;

@@ -112,7 +112,13 @@ class Mapper {
     Status pulled = pull();
     if (!pulled && pulled.error().code == ErrorCode::unsolved && options_.largest_move > 0)
       pulled = make_do();
-    if (!pulled) return pulled.error();
+    if (!pulled) {
+      if (pulled.error().code == ErrorCode::unsolved && options_.on_locked) {
+        mesh_.compact(nb_);
+        options_.on_locked(mesh_.to_mesh(nb_), away());
+      }
+      return pulled.error();
+    }
     result_.away = away();
     result_.farthest = farthest_move();
     mesh_.compact(nb_);
@@ -122,12 +128,6 @@ class Mapper {
   }
 
  private:
-  std::string place_of(Index v) const {
-    const Vector3d p = target_.row(v);
-    return "vertex " + std::to_string(v) + " at (" + std::to_string(p[0]) + ", " + std::to_string(p[1]) +
-           ", " + std::to_string(p[2]) + ")";
-  }
-
   bool home(Index v) const { return mesh_.position(v) == Vector3d(target_.row(v)); }
 
   std::vector<Index> away() const {
@@ -232,9 +232,12 @@ class Mapper {
   }
 
   Status locked(const std::vector<Index>& list) const {
-    return Error{ErrorCode::unsolved, "The volume map locks: " + std::to_string(list.size()) +
-                                          " boundary vertices do not reach their places, the farthest is " +
-                                          place_of(farthest(list)) + "."};
+    const Index v = farthest(list);
+    return Error{ErrorCode::unsolved,
+                 "The volume map locks: " + std::to_string(list.size()) +
+                     " boundary vertices do not reach their places, the farthest is vertex " +
+                     std::to_string(v) + ".",
+                 std::array<double, 3>{target_(v, 0), target_(v, 1), target_(v, 2)}};
   }
 
   bool spent() {

@@ -27,6 +27,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -53,6 +54,9 @@ struct VolumeMapOptions {
   // > 0: places that cannot be reached are no error. The boundary ends near them, with few vertices away from
   // their places, and none further away than this, if that can be; infinite: as few as can be.
   double largest_move = 0;
+  // Called when the map locks, before the error is returned: the mesh as it is, every tet positive, and the
+  // boundary vertices that did not reach their places.
+  std::function<void(const TetMesh& mesh, const std::vector<Index>& away)> on_locked;
   int spread_rounds = 60;  // to bring those that are further away nearer, at the cost of others
 
   Status validate() const;

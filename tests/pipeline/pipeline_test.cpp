@@ -13,6 +13,8 @@
 #include "src/io/tet_io.h"
 #include "src/pipeline/inspection.h"
 #include "src/pipeline/locked_patch.h"
+#include "src/pipeline/stage_files.h"
+#include "src/surface/topology.h"
 #include "src/verify/verify.h"
 #include "tests/support/files.h"
 #include "tests/support/models.h"
@@ -352,6 +354,62 @@ TEST(Pipeline, ThePatchAroundAPlaceIsPartOfTheSurface) {
     EXPECT_TRUE(!at_hinge || faces.count(g)) << g;
   }
   EXPECT_LT(patch.surface.F.rows(), s.F.rows() - 80);  // the ball far away is not in it
+}
+
+// Where a volume map locks, what is left to do is cut out as a problem of its own: small, closed, positive,
+// and to be resumed by itself.
+TEST(Pipeline, LockedMapsAreKeptAsProblems) {
+  const Surface s = test::curled_worm(390, 12);
+  PipelineOptions plain;
+  plain.improve_degrees = 0;
+  const PipelineResult made = run(s, plain);
+  ASSERT_TRUE(made.ok());
+  TetMesh state = made.mesh;
+  const std::vector<Index> away = {200, 201};
+  for (const Index v : away) {
+    Eigen::RowVector3d inwards = Eigen::RowVector3d::Zero();
+    int neighbours = 0;
+    for (Index f = 0; f < s.F.rows(); ++f)
+      for (int k = 0; k < 3; ++k)
+        if (s.F(f, k) == v) inwards += s.V.row(s.F(f, (k + 1) % 3)) - s.V.row(v), ++neighbours;
+    state.V.row(v) += 0.02 / neighbours * inwards;
+  }
+  ASSERT_TRUE(verify({state.V.topRows(s.V.rows()), s.F}, state).ok());
+
+  const LockedSolid solid = solid_around(state, s.V, away);
+  EXPECT_TRUE(check_topology(solid.target).ok());
+  const auto boundary = solid.target.V.rows();
+  EXPECT_EQ(solid.start.surface_vertices, boundary);
+  EXPECT_TRUE(verify({solid.start.V.topRows(boundary), solid.target.F}, solid.start).ok());
+  EXPECT_LT(2 * solid.start.T.rows(), state.T.rows());
+  ASSERT_EQ(static_cast<std::size_t>(solid.start.V.rows()), solid.vertices.size());
+  int moves = 0;
+  for (Index i = 0; i < solid.start.V.rows(); ++i) {
+    const Index v = solid.vertices[static_cast<std::size_t>(i)];
+    EXPECT_EQ(solid.start.V.row(i), state.V.row(v));
+    if (i >= boundary) continue;
+    EXPECT_EQ(solid.target.V.row(i), (v < s.V.rows() ? s.V : state.V).row(v));
+    moves += solid.target.V.row(i) != solid.start.V.row(i);
+  }
+  EXPECT_EQ(moves, 2);
+
+  const TemporaryFolder folder;
+  Result<StageFiles> files = StageFiles::create(folder.file("stages"), hash_of(s), UnitBox{});
+  ASSERT_TRUE(files.ok());
+  ASSERT_TRUE(files.value().save_problem("locked", solid.target, solid.start).ok());
+  PipelineOptions resume;
+  resume.preset = Preset::flow;
+  resume.resume = folder.file("stages") + "/locked";
+  const Result<Surface> problem = read_surface(resume.resume + "/input.ply");
+  ASSERT_TRUE(problem.ok());
+  EXPECT_EQ(problem.value().V, solid.target.V);
+  const Result<StageFiles> kept =
+      StageFiles::open(resume.resume, hash_of(problem.value()), UnitBox{});
+  ASSERT_TRUE(kept.ok());
+  EXPECT_EQ(kept.value().load_mesh("tet_mesh", solid.start.surface_vertices).value().V, solid.start.V);
+  EXPECT_EQ(kept.value().load_surface("embedded").value().F, solid.target.F);
+  const PipelineResult solved = run(problem.value(), resume);
+  expect_mesh(problem.value(), solved);
 }
 
 TEST(Pipeline, DamagedStagesAreRefused) {
