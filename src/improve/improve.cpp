@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <functional>
 #include <numeric>
 
 #include "kernels/parallel/parallel.h"
@@ -20,6 +21,8 @@ namespace {
 // many parts at least: what they cost is known only afterwards, and a thread that is done early finds another
 // one.
 constexpr int kMostParts = 256, kLeastParts = 8;
+// Where more than this share of the tets is bad, cuts leave too much undone: fewer, larger parts then.
+constexpr double kMostlyBad = 0.5;
 // In a round around cuts, and in a look: tets in a part, at least.
 constexpr std::int64_t kTetsAroundCuts = 3000, kTetsPerLook = 500;
 // Refinement makes do with two unless parts are larger than this: where nothing is inside yet, tets reach
@@ -153,6 +156,19 @@ double worst_quality(const TetMesh& mesh) {
       [](double x, double y) { return std::min(x, y); });
 }
 
+double bad_share(const TetMesh& mesh, const ImproveOptions& options) {
+  const double target = sine_of(options.target_degrees);
+  const std::int64_t bad = parallel_reduce(
+      mesh.T.rows(), kGrain, std::int64_t{0},
+      [&](std::int64_t begin, std::int64_t end) {
+        std::int64_t n = 0;
+        for (Index t = static_cast<Index>(begin); t < end; ++t) n += quality(mesh, t) < target;
+        return n;
+      },
+      std::plus<>());
+  return static_cast<double>(bad) / static_cast<double>(std::max<Eigen::Index>(1, mesh.T.rows()));
+}
+
 // Corners of the tets at shared vertices that are still to be worked on.
 std::vector<char> unfinished(const TetMesh& mesh, std::span<const char> shared, Work what,
                              const ImproveOptions& options) {
@@ -270,7 +286,10 @@ Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, cons
     std::vector<char> fresh;
     int count = 1;
     if (what == Work::refine) count = std::max(kRefineParts, parts_for(chosen.size(), kTetsPerRefinePart));
-    if (what == Work::passes) count = std::max(kLeastParts, parts_for(chosen.size(), options.tets_per_part));
+    if (what == Work::passes) {
+      count = parts_for(chosen.size(), options.tets_per_part);
+      if (bad_share(mesh, options) < kMostlyBad) count = std::max(kLeastParts, count);
+    }
     const double slack = count == kRefineParts ? kSlackForTwo : kSlack;
     while (!chosen.empty()) {
       context.report("improve",

@@ -20,6 +20,10 @@ constexpr std::size_t kSmallest = 200;
 // The tree that shares out the tets is made of so many facets for each part.
 constexpr std::int64_t kSamples = 2048;
 
+// Missing facets pass through three tets or so. Needles pass through hundreds, and what they join is no part
+// that TetGen does sooner than the whole.
+constexpr std::size_t kMostCrossed = 20;
+
 constexpr std::int64_t kGrain = 1 << 13;
 
 Error unsolved(std::string message) { return Error{ErrorCode::unsolved, std::move(message)}; }
@@ -433,6 +437,8 @@ Result<TetgenResult> Parts::join() const {
 
 Result<TetgenResult> mesh_in_parts(DelaunayMatch& match, Index facets_per_part, const RunContext& context) {
   match.find_crossed_tets();
+  if (match.crossed.size() > kMostCrossed * match.missing.size())
+    return unsolved("Missing facets pass through too many tets.");
   return Parts(match, facets_per_part, context).run();
 }
 

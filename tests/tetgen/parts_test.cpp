@@ -82,6 +82,33 @@ TEST(Parts, CrossingFacetsAreRefused) {
   EXPECT_EQ(r.error().code, ErrorCode::unsolved);
 }
 
+// A prism with many sides and one end turned: its faces are needles far from the Delaunay tets' edges.
+Surface twisted_needles(int sides) {
+  Surface s;
+  s.V.resize(2 * sides + 2, 3);
+  s.F.resize(4 * sides, 3);
+  const Index low = 2 * sides, high = low + 1;
+  s.V.row(low) << 0, 0, 0;
+  s.V.row(high) << 0, 0, 2;
+  for (Index i = 0; i < sides; ++i) {
+    const Index j = (i + 1) % sides;
+    const double angle = 2 * M_PI * i / sides, turned = angle + 1.5;
+    s.V.row(i) << std::cos(angle), std::sin(angle), 0;
+    s.V.row(sides + i) << std::cos(turned), std::sin(turned), 2;
+    s.F.row(4 * i) << i, j, sides + i;
+    s.F.row(4 * i + 1) << j, sides + j, sides + i;
+    s.F.row(4 * i + 2) << j, i, low;
+    s.F.row(4 * i + 3) << sides + i, sides + j, high;
+  }
+  return s;
+}
+
+TEST(Parts, NeedlesThatManyTetsAreInTheWayOfAreRefused) {
+  const auto r = in_parts(test::plc_of(twisted_needles(400)), 700);
+  ASSERT_FALSE(r.ok());
+  EXPECT_EQ(r.error().message, "Missing facets pass through too many tets.");
+}
+
 TEST(Parts, SmallComplexesAndLoosePointsAreRefused) {
   Plc plc = test::plc_of(test::sphere(2));
   EXPECT_EQ(in_parts(plc, 10'000).error().code, ErrorCode::unsolved);
