@@ -98,10 +98,13 @@ class Repairing {
   Result<std::optional<RepairedMesh>> pull_back(const RepairedMesh& from, Reach reach) {
     VolumeMapOptions options;
     options.refinements = 0;
-    // Measured: fewer rings and a force that grows faster cost a third and end as near.
-    options.interior_rings = 2;
-    options.first_pull = 0.3;
-    options.pull_growth = 4;
+    // Measured: fewer rings and a force that grows faster cost a third and end as near, but not after
+    // moves that went far.
+    if (reach != Reach::far) {
+      options.interior_rings = 2;
+      options.first_pull = 0.3;
+      options.pull_growth = 4;
+    }
     options.seconds = std::min(options.seconds, kPullTime * route_.context.seconds_left());
     options.largest_move =
         reach == Reach::far ? route_.max_move * diagonal_ : std::numeric_limits<double>::infinity();
