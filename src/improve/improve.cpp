@@ -25,10 +25,9 @@ constexpr int kMostParts = 256, kLeastParts = 8;
 constexpr double kMostlyBad = 0.5;
 // In a round around cuts, and in a look: tets in a part, at least.
 constexpr std::int64_t kTetsAroundCuts = 3000, kTetsPerLook = 500;
-// Refinement makes do with two unless parts are larger than this: where nothing is inside yet, tets reach
-// from one side to the other, and what more cuts leave in between costs more than they save.
+// Refinement makes do with two: where nothing is inside yet, tets reach from one side to the other, and what
+// more cuts leave in between costs more than they save.
 constexpr int kRefineParts = 2;
-constexpr std::int64_t kTetsPerRefinePart = 150000;
 // What lies around a place: so many layers of tets. Vertices with more tets than this do not spread it.
 constexpr int kLayers = 2;
 constexpr int kLargestStar = 80;
@@ -285,7 +284,7 @@ Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, cons
     std::iota(chosen.begin(), chosen.end(), 0);
     std::vector<char> fresh;
     int count = 1;
-    if (what == Work::refine) count = std::max(kRefineParts, parts_for(chosen.size(), kTetsPerRefinePart));
+    if (what == Work::refine) count = kRefineParts;
     if (what == Work::passes) {
       count = parts_for(chosen.size(), options.tets_per_part);
       if (bad_share(mesh, options) < kMostlyBad) count = std::max(kLeastParts, count);
