@@ -85,6 +85,16 @@ std::optional<WitnessRecord> witness_of(const Surface& surface, const Diagnosis&
     add(d.fold_witness->vertex, d.fold_witness->B0);
     return record;
   }
+  if (d.stack) {
+    record.rule = WitnessRecord::Rule::stack;
+    record.face = d.stack->face;
+    record.point = d.stack->exact;
+    record.vertices = d.stack->vertices;
+    record.moves = d.stack->moves;
+    record.winding = d.stack->winding;
+    record.positions.push_back(d.stack->point);
+    return record;
+  }
   if (!d.wound.odd_groups.empty()) {
     record.rule = WitnessRecord::Rule::unpaired;
     const auto& group = d.wound.odd_groups.front();

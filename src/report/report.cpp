@@ -43,6 +43,14 @@ Json json_of(const WitnessRecord& w) {
       j["B0"] = w.B0;
       j["positions"] = w.positions;
       return j;
+    case WitnessRecord::Rule::stack:
+      j["face"] = w.face;
+      j["place"] = w.point;
+      j["vertices"] = w.vertices;
+      j["moves"] = w.moves;
+      j["winding"] = w.winding;
+      j["positions"] = w.positions;
+      return j;
     case WitnessRecord::Rule::gluing:
       j["pairs"] = w.pairs;
       j["layers"] = w.layers;
@@ -69,6 +77,8 @@ const char* name_of(WitnessRecord::Rule rule) {
       return "crowded";
     case WitnessRecord::Rule::link:
       return "link";
+    case WitnessRecord::Rule::stack:
+      return "stack";
     case WitnessRecord::Rule::gluing:
       return "gluing";
   }

@@ -35,13 +35,16 @@ struct WitnessRecord {
     unpaired,  // an odd number of vertices with odd B0 that covered edges join to each other only
     crowded,   // a vertex whose edges cannot take the turns that B0 asks for
     link,      // a vertex whose link polygon bounds no disc that fits
-    gluing     // crossings and edges around which the sheets of the solid cannot be glued at once
+    stack,  // coplanar faces, and moves of their vertices, however small, that make a negative winding number
+    gluing  // crossings and edges around which the sheets of the solid cannot be glued at once
   };
   Rule rule = Rule::winding;
   std::array<std::string, 3> point;  // decimal numbers or exact fractions
   int winding = 0;
-  std::vector<Index> vertices;  // one, or the whole odd group
-  std::vector<int> B0;          // of each
+  Index face = -1;                               // whose normal the vertices move along
+  std::vector<int> moves;                        // of the vertices
+  std::vector<Index> vertices;                   // one, the whole odd group, or those that move
+  std::vector<int> B0;                           // of each
   std::vector<std::array<double, 3>> positions;  // of the vertices, or on the curve of each pair
   std::vector<std::array<Index, 2>> pairs;       // faces that cross,
   std::vector<int> layers;                       // where so many sheets lie in front of both

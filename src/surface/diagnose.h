@@ -12,6 +12,7 @@
 #include "overtet/run_context.h"
 #include "overtet/types.h"
 #include "src/surface/hinges.h"
+#include "src/surface/stacks.h"
 #include "src/surface/topology.h"
 #include "src/surface/witness.h"
 #include "src/surface/wound_edges.h"
@@ -32,7 +33,8 @@ enum class Verdict {
   feasible,    // passes through itself; nothing that forbids a mesh was found
   infeasible,  // no mesh exists: a point of negative winding, or a vertex with B0 < 0
   obstructed   // no mesh exists: hinges that cannot be paired (wound.odd_groups), whose edges cannot take the
-               // turns (wound.crowded) or that no tets can fill (wound.unfillable), or B0 < 0 at a fold
+               // turns (wound.crowded) or that no tets can fill (wound.unfillable), B0 < 0 at a fold, or
+               // coplanar faces that lie on each other as they must not (stack)
 };
 const char* verdict_name(Verdict verdict);
 
@@ -62,6 +64,7 @@ struct Diagnosis {
   // A vertex with B0 < 0 where doubles cannot tell a dihedral of 0 from 2 pi. As much of a proof, but only
   // for who computes exactly.
   std::optional<VertexWitness> fold_witness;
+  std::optional<StackWitness> stack;  // looked for where nothing above forbids a mesh
   WoundEdges wound;
   std::vector<std::string> advice;  // sentences for a person
   DiagnosisTimes times;

@@ -332,6 +332,25 @@ TEST_F(CheckWitness, LayersThatCannotBeGlued) {
       << said_;
 }
 
+TEST_F(CheckWitness, FacesThatLieOnEachOther) {
+  const Surface s = test::mirrored_folds();
+  const Diagnosis d = diagnosed(s);
+  ASSERT_TRUE(d.stack) << d.message;
+  const StackWitness& w = *d.stack;
+  const auto text = [&](const std::vector<int>& moves, int winding) {
+    return "{\"rule\": \"stack\", \"face\": " + std::to_string(w.face) + ", \"place\": [\"" + w.exact[0] +
+           "\", \"" + w.exact[1] + "\", \"" + w.exact[2] + "\"], \"vertices\": " + listed(w.vertices) +
+           ", \"moves\": " + listed(moves) + ", \"winding\": " + std::to_string(winding) + "}";
+  };
+  EXPECT_EQ(answer(s, text(w.moves, w.winding)), 0) << said_;
+  EXPECT_EQ(answer(s, text(w.moves, w.winding - 1)), 1) << said_;
+  std::vector<int> none(w.moves.size(), 0), other = w.moves;
+  EXPECT_EQ(answer(s, text(none, w.winding)), 1) << said_;
+  for (int& m : other) m = -m;
+  EXPECT_EQ(answer(s, text(other, w.winding)), 1) << said_;
+  EXPECT_EQ(answer(s, text({}, w.winding)), 2) << said_;
+}
+
 // Two vertices in one place may share what hinges ask for.
 TEST_F(CheckWitness, VerticesInOnePlaceAreNoProof) {
   const Surface s = test::obstructed_elbow(0);

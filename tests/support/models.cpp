@@ -237,6 +237,24 @@ Surface saucer(int subdivisions, double depth) {
   });
 }
 
+Surface pressed_fold(int subdivisions) {
+  Surface s = sphere(subdivisions);
+  for (Index v = 0; v < s.V.rows(); ++v) {
+    const double z = s.V(v, 2), wider = 1 + 0.8 * std::exp(-40 * (z - 0.75) * (z - 0.75));
+    s.V(v, 0) *= wider;
+    s.V(v, 1) *= wider;
+    s.V(v, 2) = std::min(z, 0.3);
+  }
+  return s;
+}
+
+Surface mirrored_folds(int subdivisions) {
+  const Surface s = pressed_fold(subdivisions);
+  Surface other = flipped(s);
+  for (Index v = 0; v < s.V.rows(); ++v) other.V(v, 2) = std::max(0.3, 0.6 - s.V(v, 2));
+  return joined(s, other);
+}
+
 Surface sphere_with_cavity(int subdivisions, double inner_radius) {
   return joined(sphere(subdivisions), flipped(sphere(subdivisions, inner_radius, Point(0.11, 0.07, -0.05))));
 }

@@ -30,6 +30,11 @@ Surface elbow(double degrees = 150, int around = 24, double blend = 0.5);
 // winding number becomes -1.
 Surface saucer(int subdivisions = 3, double depth = 0.9);
 
+// Another one: a ball whose top has a fold around it, pressed flat onto the plane z = 0.3 (three layers where
+// the fold was); and its mirror image above, so that the flat parts lie on each other.
+Surface pressed_fold(int subdivisions = 2);
+Surface mirrored_folds(int subdivisions = 2);
+
 // A sphere with a spherical hole inside (second component, oriented inward).
 Surface sphere_with_cavity(int subdivisions = 2, double inner_radius = 0.4);
 
