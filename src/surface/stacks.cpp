@@ -20,18 +20,14 @@ using exact::Vec;
 // Points looked at in the overlap of two faces; another one where the one before lies on an edge.
 constexpr int kPoints = 3;
 
-// Rounds of the search for moves, for each face of a stack.
-constexpr int kRounds = 200;
-
-// Moves are whole numbers up to this one.
-constexpr double kLargestMove = 4096;
-
 // A face through a point q: q = sum b_k p_k.
 struct Layer {
   Index face;
   std::array<Rational, 3> b;
   bool leaves;  // the inside ends there, along n
 };
+
+using Moves = std::map<Index, int>;
 
 class StackSearch {
  public:
@@ -120,26 +116,14 @@ class StackSearch {
     if (ends == static_cast<int>(layers.size())) return std::nullopt;
     const exact::RayCount below = rays_.count(Point(q), Point(Rational(-1) * n), nullptr, faces);
     if (below.status != exact::RayStatus::counted || below.winding >= ends) return std::nullopt;
-    const auto moves = find_moves(layers);
-    if (!moves) return std::nullopt;
-    // Once more, exactly.
-    std::map<Rational, int> steps;
-    for (const Layer& layer : layers) {
-      Rational height = 0;
-      for (int k = 0; k < 3; ++k) height += layer.b[k] * moves->at(surface_.F(layer.face, k));
-      steps[height] += layer.leaves ? -1 : 1;
-    }
-    int winding = below.winding, lowest = winding;
-    for (const auto& [height, step] : steps) {
-      winding += step;
-      lowest = std::min(lowest, winding);
-    }
+    const Moves moves = moves_apart(layers);
+    const int lowest = lowest_winding(layers, below.winding, moves);
     if (lowest >= 0) return std::nullopt;
     StackWitness out;
     out.face = f;
     out.point = exact::approximate(q);
     for (int k = 0; k < 3; ++k) out.exact[k] = exact::fraction(q[k]);
-    for (const auto& [v, m] : *moves) {
+    for (const auto& [v, m] : moves) {
       if (m == 0) continue;
       out.vertices.push_back(v);
       out.moves.push_back(m);
@@ -148,27 +132,28 @@ class StackSearch {
     return out;
   }
 
-  // The perceptron: finds moves that separate the faces where there are any, mostly within a few rounds.
-  std::optional<std::map<Index, int>> find_moves(const std::vector<Layer>& layers) const {
-    std::map<Index, double> move;
-    for (int round = 0; round < kRounds; ++round) {
-      bool apart = true;
-      for (const Layer& layer : layers) {
-        double height = 0;
-        for (int k = 0; k < 3; ++k) height += layer.b[k].get_d() * move[surface_.F(layer.face, k)];
-        const double side = layer.leaves ? -1 : 1;
-        if (side * height > 0.1) continue;
-        apart = false;
-        for (int k = 0; k < 3; ++k) move[surface_.F(layer.face, k)] += side * layer.b[k].get_d();
-      }
-      if (!apart) continue;
-      double largest = 0;
-      for (const auto& [v, m] : move) largest = std::max(largest, std::fabs(m));
-      std::map<Index, int> out;
-      for (const auto& [v, m] : move) out[v] = static_cast<int>(std::lround(m / largest * kLargestMove));
-      return out;
+  int lowest_winding(const std::vector<Layer>& layers, int winding, const Moves& moves) const {
+    std::map<Rational, int> steps;
+    for (const Layer& layer : layers) {
+      Rational height = 0;
+      for (int k = 0; k < 3; ++k) height += layer.b[k] * moves.at(surface_.F(layer.face, k));
+      steps[height] += layer.leaves ? -1 : 1;
     }
-    return std::nullopt;
+    int lowest = winding;
+    for (const auto& [height, step] : steps) lowest = std::min(lowest, winding += step);
+    return lowest;
+  }
+
+  // What belongs only to faces where the inside ends moves down, to those where it begins up.
+  Moves moves_apart(const std::vector<Layer>& layers) const {
+    Moves out;
+    for (const Layer& layer : layers)
+      for (const Index v : surface_.F.row(layer.face)) {
+        const int move = layer.leaves ? -1 : 1;
+        const auto [at, added] = out.try_emplace(v, move);
+        if (!added && at->second != move) at->second = 0;
+      }
+    return out;
   }
 
   const Surface& surface_;
