@@ -428,8 +428,16 @@ Status run_repairing(const Surface& surface, const PipelineOptions& options, con
     report.witness = witness;
     return attempt;
   };
-  Result<RepairedMesh> repaired = mesh_repaired(
-      {surface, options.max_repair_move, context, report.stages, mesh_of}, first.error(), unglued);
+  const auto improve_of = [&](const Surface& moved, TetMesh mesh) {
+    MeshAttempt attempt;
+    Run run(moved, true, to_pull, context, result);
+    attempt.done = run.finish_given(std::move(mesh));
+    attempt.mesh = std::move(result.mesh);
+    return attempt;
+  };
+  Result<RepairedMesh> repaired =
+      mesh_repaired({surface, options.max_repair_move, context, report.stages, mesh_of, improve_of},
+                    first.error(), unglued);
   report.input = input;
   report.witness = witness;
   if (!repaired) return repaired.error();

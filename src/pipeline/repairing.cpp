@@ -1,11 +1,13 @@
 #include "src/pipeline/repairing.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <limits>
 #include <utility>
 
 #include "src/pipeline/stage_clock.h"
+#include "src/repair/lessening.h"
 #include "src/repair/repair.h"
 #include "src/volume_map/volume_map.h"
 
@@ -19,6 +21,22 @@ constexpr double kShrinkWork = 1e4;  // of gentle repairs: the way back does the
 constexpr double kPullTime = 0.4;    // of the time that is left, where there is a limit
 constexpr double kGentle = 0.01;     // moves of this size are as good as smaller ones
 
+// Moving less, in rounds.
+constexpr int kRounds = 8, kGentleRounds = 1;
+constexpr int kIdle = 2, kIdleTooFar = 4;    // rounds in turn that gain nothing
+constexpr double kGain = 0.97;               // what a round leaves at most, to count as one that gains
+constexpr double kHopeless = 15;             // times what is allowed: eight rounds do not come that far
+constexpr double kPromising = 3;             // times what is allowed: worth the rounds at once
+constexpr double kNearer = 0.7;              // of the largest move is aimed at, where that is too far
+constexpr double kWithin = 0.98;             // of what is allowed, where that is near
+constexpr double kWorse = 1.2;               // than the best
+constexpr double kTooFar = 1e30;             // what it costs to be too far
+constexpr std::size_t kFew = 3, kMany = 50;  // vertices that have moved gently
+constexpr int kStraightBack = 2;             // times
+constexpr double kRoundsWork = 2e8;          // src/volume_map/volume_map.h; about 10 s on one thread
+constexpr double kTetWork = 1000;            // a tet that is made or improved, in the same unit
+constexpr double kRoundsTime = 0.5;          // of the time that is left, where there is a limit
+
 // How far vertices may move on the way out.
 enum class Reach { gentle, far, allowed };
 
@@ -30,7 +48,8 @@ class Repairing {
   }
 
   Result<RepairedMesh> run(const std::optional<Eigen::Vector3d>& unglued) {
-    double least = std::numeric_limits<double>::infinity();
+    bool looked_at = false;
+    std::optional<RepairedMesh> nearest;  // of those that went too far
     for (const Reach reach : {Reach::gentle, Reach::far, Reach::allowed}) {
       Result<std::optional<RepairedMesh>> away = move_away(reach, unglued);
       if (!away) return away.error();
@@ -40,14 +59,24 @@ class Repairing {
       if (!back) return back.error();
       if (back.value() && (best.max_relative > route_.max_move || better(*back.value(), best)))
         best = std::move(*back.value());
+      const bool promising = best.max_relative <= kPromising * route_.max_move;
+      if (promising)
+        if (Status s = move_less(best); !s) return s.error();
       if (best.max_relative <= route_.max_move) return best;
-      least = std::min(least, best.max_relative);
+      if (!nearest || best.max_relative < nearest->max_relative) {
+        nearest = std::move(best);
+        looked_at = promising;
+      }
+    }
+    if (nearest && !looked_at && nearest->max_relative <= kHopeless * route_.max_move) {
+      if (Status s = move_less(*nearest); !s) return s.error();
+      if (nearest->max_relative <= route_.max_move) return std::move(*nearest);
     }
     Error error = first_;
-    if (least < 1) {
+    if (nearest) {
       char more[96];
       std::snprintf(more, sizeof more, " Moving vertices by up to %.3g %% of the diagonal would do.",
-                    100 * least + 0.01);
+                    100 * nearest->max_relative + 0.01);
       error.message += more;
     }
     return error;
@@ -94,20 +123,23 @@ class Repairing {
     return std::optional<RepairedMesh>();
   }
 
-  // None: it cannot be pulled.
   Result<std::optional<RepairedMesh>> pull_back(const RepairedMesh& from, Reach reach) {
+    return pull(from, reach == Reach::far,
+                reach == Reach::far ? route_.max_move : std::numeric_limits<double>::infinity());
+  }
+
+  // None: it cannot be pulled. slowly: measured: fewer rings and a force that grows faster cost a third and
+  // end as near, but not after moves that went far.
+  Result<std::optional<RepairedMesh>> pull(const RepairedMesh& from, bool slowly, double largest_move) {
     VolumeMapOptions options;
     options.refinements = 0;
-    // Measured: fewer rings and a force that grows faster cost a third and end as near, but not after
-    // moves that went far.
-    if (reach != Reach::far) {
+    if (!slowly) {
       options.interior_rings = 2;
       options.first_pull = 0.3;
       options.pull_growth = 4;
     }
+    options.largest_move = largest_move * diagonal_;
     options.seconds = std::min(options.seconds, kPullTime * route_.context.seconds_left());
-    options.largest_move =
-        reach == Reach::far ? route_.max_move * diagonal_ : std::numeric_limits<double>::infinity();
     Result<VolumeMapResult> pulled = timed_stage(
         "volume_map", route_.records, route_.context, [&](StageRecord& record) -> Result<VolumeMapResult> {
           Result<VolumeMapResult> r = volume_map(from.mesh, route_.surface.V, {}, options, route_.context);
@@ -130,9 +162,116 @@ class Repairing {
       route_.context.note(LogLevel::info, "Repair: " + pulled.error().message);
       return std::optional<RepairedMesh>();
     }
+    work_ += pulled.value().work;
     RepairedMesh back = measured(std::move(pulled.value().mesh));
     back.pulled = true;
     return std::optional(std::move(back));
+  }
+
+  // What a pull leaves away from its place is held by the tets around it. Among others it is free again.
+  Status move_less(RepairedMesh& best) {
+    const bool gentle = best.max_relative <= kGentle;
+    if (gentle && best.moved.size() <= kFew) return success();
+    const int rounds = !gentle ? kRounds : best.moved.size() > kMany ? kGentleRounds : 0;
+    work_ = 0;
+    const auto start = RunContext::Clock::now();
+    const double seconds = kRoundsTime * route_.context.seconds_left();
+    double longest = 0;  // round
+    // Whether there is time for another round; noted where there is not.
+    const auto time_left = [&] {
+      const double gone = std::chrono::duration<double>(RunContext::Clock::now() - start).count();
+      if (gone + 2 * longest <= seconds) return true;
+      route_.context.note(LogLevel::warning,
+                          "Repair: with more time than the time limit leaves, vertices may move less.");
+      return false;
+    };
+    int round = 0;
+    for (int time = 0; time < kStraightBack; ++time) {
+      RepairedMesh now = best;
+      for (int idle = 0; round < rounds && work_ < kRoundsWork; ++round) {
+        const bool too_far = best.max_relative > route_.max_move;
+        if (idle >= (too_far ? kIdleTooFar : kIdle)) break;
+        if (!time_left()) return success();
+        const auto begin = RunContext::Clock::now();
+        Result<std::optional<RepairedMesh>> back = pulled_again(now, best, idle);
+        if (!back) return back.error();
+        longest = std::max(longest, std::chrono::duration<double>(RunContext::Clock::now() - begin).count());
+        const double before = cost(best);
+        if (back.value() && cost(*back.value()) < before) best = *back.value();
+        idle = cost(best) > kGain * before ? idle + 1 : 0;
+        // A little worse is another way to go on while everything is too far.
+        const bool on = back.value() && too_far && cost(*back.value()) < kWorse * cost(best);
+        now = on ? std::move(*back.value()) : best;
+      }
+      if (!time_left()) return success();
+      const double before = cost(best);
+      if (Status s = straight_back(best); !s) return s;
+      if (cost(best) > kGain * before) break;
+    }
+    return success();
+  }
+
+  // One round: other tets, and another pull. As long as vertices are further away than allowed, the farthest
+  // are brought nearer at the cost of others; after that as many as can be come home. The same again would
+  // come to the same, so after rounds without gain there are other tets again, and then slower pulls.
+  Result<std::optional<RepairedMesh>> pulled_again(const RepairedMesh& from, const RepairedMesh& best,
+                                                   int idle) {
+    Result<std::optional<RepairedMesh>> fresh = refreshed(from, idle % 2 == 1);
+    if (!fresh) return fresh.error();
+    if (!fresh.value()) return std::optional<RepairedMesh>();
+    const double allowed = route_.max_move, most = best.max_relative;
+    const double aim = most > allowed ? std::max(kNearer * most, kWithin * allowed) : allowed;
+    return pull(*fresh.value(), idle >= 2, aim);
+  }
+
+  // What the diagnosis alone lets go home, straight; where that has a mesh.
+  Status straight_back(RepairedMesh& best) {
+    RunContext context = route_.context;
+    if (context.deadline != RunContext::Clock::time_point::max())
+      context.deadline =
+          RunContext::Clock::now() + std::chrono::duration_cast<RunContext::Clock::duration>(
+                                         std::chrono::duration<double>(kPullTime * context.seconds_left()));
+    Result<LessenResult> less = timed_stage(
+        "lessen", route_.records, route_.context, [&](StageRecord& record) -> Result<LessenResult> {
+          Result<LessenResult> r = lessen(route_.surface, best.surface.V, {}, context);
+          if (!r) return r;
+          record.iterations = r.value().looks;
+          if (r.value().cut_by_time)
+            route_.context.note(LogLevel::warning,
+                                "Repair: with more time than the time limit leaves, vertices may move less.");
+          return r;
+        });
+    if (!less) return less.error();
+    if (!less.value().lessened) return success();
+    MeshAttempt attempt = route_.mesh({std::move(less.value().V), route_.surface.F});
+    if (!attempt.done) return repairable(attempt.done.error()) ? success() : attempt.done;
+    RepairedMesh other = measured(std::move(attempt.mesh));
+    if (cost(other) < cost(best)) best = std::move(other);
+    return success();
+  }
+
+  // The surface with other tets.
+  Result<std::optional<RepairedMesh>> refreshed(const RepairedMesh& mesh, bool anew) {
+    if (!mesh.pulled) return std::optional(mesh);
+    MeshAttempt attempt;
+    if (anew) {
+      attempt = route_.mesh(mesh.surface);
+      if (!attempt.done && !repairable(attempt.done.error())) return attempt.done.error();
+    }
+    if (!anew || !attempt.done) {
+      attempt = route_.improve(mesh.surface, mesh.mesh);
+      if (!attempt.done && !repairable(attempt.done.error())) return attempt.done.error();
+    }
+    if (!attempt.done) return std::optional<RepairedMesh>();
+    work_ += kTetWork * static_cast<double>(attempt.mesh.T.rows());
+    return std::optional(measured(std::move(attempt.mesh)));
+  }
+
+  // Few vertices, and small moves, count alike; nothing counts as much as a move that is too large.
+  double cost(const RepairedMesh& r) const {
+    if (r.max_relative > route_.max_move) return kTooFar * r.max_relative;
+    const auto n = static_cast<double>(r.moved.size());
+    return n * n * r.max_relative * r.mean_relative;
   }
 
   RepairedMesh measured(TetMesh mesh) const {
@@ -163,6 +302,7 @@ class Repairing {
   const RepairRoute& route_;
   const Error& first_;
   double diagonal_ = 0;
+  double work_ = 0;  // of the rounds of moving less
 };
 
 }  // namespace

@@ -6,9 +6,13 @@
 //  2. Back: the boundary of that mesh is pulled to the input again, every tet positive all the way
 //     (src/volume_map). Most vertices come home. What is locked ends as near to its place as it gets, and
 //     where that is too far, its neighbours give way.
+//  3. Less, in rounds: among other tets (the mesh improved, or the surface meshed anew) what was locked is
+//     free again, and is pulled once more. As long as vertices are further away than allowed, the farthest
+//     come nearer at the cost of others; after that as many as can go home. Then straight back, vertex by
+//     vertex, as far as the diagnosis does not object (src/repair/lessening.h).
 //
 // The second step finds what no smoothing can: how parts that are inside out fold up best. Where it does not
-// make things better, the first step's result stands.
+// make things better, the first step's result stands; likewise with the third. Work is counted, not timed.
 #pragma once
 
 #include <functional>
@@ -33,6 +37,7 @@ struct RepairRoute {
   const RunContext& context;
   std::vector<StageRecord>& records;
   std::function<MeshAttempt(const Surface&)> mesh;
+  std::function<MeshAttempt(const Surface&, TetMesh)> improve;  // a mesh of the surface that there is already
 };
 
 struct RepairedMesh {
