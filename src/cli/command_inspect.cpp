@@ -205,7 +205,11 @@ Json to_json(const Findings& f) {
   j["unfillable"] = d.wound.unfillable;
   j["unmet_hinges"] = d.wound.unmet;
   j["wound_edges"] = Json::array();
-  for (const WoundEdge& e : d.wound.edges) j["wound_edges"].push_back({{"a", e.a}, {"b", e.b}, {"k", e.k}});
+  for (const WoundEdge& e : d.wound.edges)
+    j["wound_edges"].push_back({{"a", e.a},
+                                {"b", e.b},
+                                {"k", e.k},
+                                {"positions", {position(f.surface, e.a), position(f.surface, e.b)}}});
   const Curves& curves = f.look.curves;
   j["curves"] = Json::array();
   for (const Curve& curve : curves.curves) j["curves"].push_back(to_json(curve, f.list_curves));
@@ -231,9 +235,11 @@ void print_hinges(const Findings& f) {
   const Diagnosis& d = f.found.diagnosis;
   for (std::size_t h = 0; h < d.hinges.size() && h < kListed; ++h) {
     const Hinge& hinge = d.hinges[h];
-    std::printf("            vertex %d at %s: B0 %s, covering %d; levels outside its edges", hinge.vertex,
-                text_of(position(f.surface, hinge.vertex)).c_str(),
-                hinge.B0 ? std::to_string(*hinge.B0).c_str() : "not defined", hinge.covering);
+    std::printf(
+        "            vertex %d at %s: B0 %s, %zu crossings in its link, covering %d; levels outside its "
+        "edges",
+        hinge.vertex, text_of(position(f.surface, hinge.vertex)).c_str(),
+        hinge.B0 ? std::to_string(*hinge.B0).c_str() : "not defined", hinge.crossings.size(), hinge.covering);
     const char* comma = "";
     for (const EdgeAtHinge& e : f.look.edges[h]) {
       std::printf("%s to %d:", comma, e.to);
@@ -256,10 +262,12 @@ void print_hinges(const Findings& f) {
   for (std::size_t i = 0; i < d.wound.unfillable.size() && i < kListed; ++i)
     std::printf("unfillable  %d\n", d.wound.unfillable[i]);
   if (d.wound.edges.empty()) return;
-  std::printf("wound       %zu edges with one turn more than they show:", d.wound.edges.size());
+  std::printf("wound       %zu edges with one turn more than they show, or as many as said:",
+              d.wound.edges.size());
   for (std::size_t i = 0; i < d.wound.edges.size() && i < kListed; ++i) {
     const WoundEdge& e = d.wound.edges[i];
-    std::printf("%s %d-%d", i > 0 ? "," : "", e.a, e.b);
+    std::printf("%s %d-%d from %s to %s", i > 0 ? "," : "", e.a, e.b,
+                text_of(position(f.surface, e.a)).c_str(), text_of(position(f.surface, e.b)).c_str());
     if (e.k > 1) std::printf(" (%d turns)", e.k);
   }
   std::printf("%s\n", d.wound.edges.size() > kListed ? ", ..." : "");

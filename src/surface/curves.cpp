@@ -351,10 +351,7 @@ class Tracer {
   }
 
   Rational exact_place(const Cut& cut, const Point& a, const Point& b) const {
-    if (cut.exact) return *cut.exact;
-    const Vec o = exact_point(surface_.F(cut.by, 0)), n = rays_.normal(cut.by);
-    const Rational x = dot(n, a.x - o), y = dot(n, b.x - o);
-    return x / (x - y);
+    return cut.exact ? *cut.exact : rays_.cut(a, b, cut.by);
   }
   void refine(Cut& cut, const Point& a, const Point& b) const {
     if (cut.exact) return;

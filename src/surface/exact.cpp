@@ -25,7 +25,19 @@ Whole cross(const Whole& a, const Whole& b) {
 int dot_sign(const Whole& a, const Whole& b) {
   return sgn(mpz_class(a[0] * b[0] + a[1] * b[1] + a[2] * b[2]));
 }
-int det_sign(const Whole& a, const Whole& b, const Whole& c) { return dot_sign(a, cross(b, c)); }
+
+// The sign of a . (b x c). What it works with stays allocated: most of the time went there.
+int det_sign(const Whole& a, const Whole& b, const Whole& c) {
+  thread_local mpz_class minor, sum;
+  sum = 0;
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    mpz_mul(minor.get_mpz_t(), b[i].get_mpz_t(), c[j].get_mpz_t());
+    mpz_submul(minor.get_mpz_t(), b[j].get_mpz_t(), c[i].get_mpz_t());
+    mpz_addmul(sum.get_mpz_t(), a[k].get_mpz_t(), minor.get_mpz_t());
+  }
+  return sgn(sum);
+}
 
 // v = numerator / denominator.
 struct Homogeneous {
@@ -41,33 +53,77 @@ struct Homogeneous {
   }
 };
 
-// The corners of a triangle as seen from m, times one positive number.
-void seen_from(const Homogeneous& m, const double* const* corner, Whole* out) {
+// The corners of a triangle: whole numbers times 2^low, low <= 0.
+struct Scaled {
   long mantissa[9];
   int exponent[9], low = 0;
-  for (int i = 0; i < 9; ++i) {
-    const double x = corner[i / 3][i % 3];
-    mantissa[i] = static_cast<long>(std::ldexp(std::frexp(x, &exponent[i]), 53));
-    exponent[i] -= 53;
-    if (mantissa[i] == 0) {
-      exponent[i] = 0;
-      continue;
+  explicit Scaled(const double* const* corner) {
+    for (int i = 0; i < 9; ++i) {
+      const double x = corner[i / 3][i % 3];
+      mantissa[i] = static_cast<long>(std::ldexp(std::frexp(x, &exponent[i]), 53));
+      exponent[i] -= 53;
+      if (mantissa[i] == 0) {
+        exponent[i] = 0;
+        continue;
+      }
+      const int zeros = __builtin_ctzl(static_cast<unsigned long>(mantissa[i]));
+      mantissa[i] >>= zeros;
+      exponent[i] += zeros;
+      low = std::min(low, exponent[i]);
     }
-    const int zeros = __builtin_ctzl(static_cast<unsigned long>(mantissa[i]));
-    mantissa[i] >>= zeros;
-    exponent[i] += zeros;
-    low = std::min(low, exponent[i]);
   }
-  mpz_class shifted;
+  // x = factor * (the number at i) * 2^-low
+  void times(int i, const mpz_class& factor, mpz_class& x) const {
+    mpz_mul_si(x.get_mpz_t(), factor.get_mpz_t(), mantissa[i]);
+    mpz_mul_2exp(x.get_mpz_t(), x.get_mpz_t(), exponent[i] - low);
+  }
+};
+
+// The corners of a triangle as seen from m, times one positive number.
+void seen_from(const Homogeneous& m, const double* const* corner, Whole* out) {
+  const Scaled q(corner);
+  thread_local mpz_class shifted;
   for (int k = 0; k < 3; ++k) {
-    mpz_mul_2exp(shifted.get_mpz_t(), m.numerator[k].get_mpz_t(), -low);
+    mpz_mul_2exp(shifted.get_mpz_t(), m.numerator[k].get_mpz_t(), -q.low);
     for (int c = 0; c < 3; ++c) {
-      mpz_class x = mantissa[3 * c + k];
-      mpz_mul_2exp(x.get_mpz_t(), x.get_mpz_t(), exponent[3 * c + k] - low);
-      out[c][k] = x * m.denominator - shifted;
+      q.times(3 * c + k, m.denominator, out[c][k]);
+      out[c][k] -= shifted;
     }
   }
 }
+
+// The plane of a triangle. Heights are linear in the point: much shorter numbers than determinants of corners
+// seen from there.
+class Plane {
+ public:
+  explicit Plane(const double* const* corner) {
+    const Scaled q(corner);
+    static const mpz_class one = 1;
+    thread_local Whole p[3];
+    for (int i = 0; i < 9; ++i) q.times(i, one, p[i / 3][i % 3]);
+    for (int k = 0; k < 3; ++k)
+      for (int c : {1, 2}) p[c][k] -= p[0][k];
+    for (int k = 0; k < 3; ++k) {
+      const int i = (k + 1) % 3, j = (k + 2) % 3;
+      normal_[k] = p[1][i] * p[2][j];
+      normal_[k] -= p[1][j] * p[2][i];
+      offset_ += normal_[k] * p[0][k];
+    }
+    shift_ = -q.low;
+  }
+  // Above the plane; times m's denominator and a positive number that belongs to the plane.
+  void height(const Homogeneous& m, mpz_class& out) const {
+    out = 0;
+    for (int k = 0; k < 3; ++k) out += normal_[k] * m.numerator[k];
+    mpz_mul_2exp(out.get_mpz_t(), out.get_mpz_t(), shift_);
+    out -= offset_ * m.denominator;
+  }
+
+ private:
+  Whole normal_;
+  mpz_class offset_;
+  mp_bitcnt_t shift_ = 0;
+};
 
 void make_exact(std::optional<Homogeneous>& start, std::optional<Homogeneous>& line, const Point& m,
                 const Point& d) {
@@ -199,9 +255,23 @@ int Rays::side(const Point& m, Index f) const {
   const double value = height(m, f, error);
   if (std::fabs(value) > error) return value > 0 ? 1 : -1;
   const double* corners[3] = {corner(f, 0), corner(f, 1), corner(f, 2)};
-  Whole p[3];
-  seen_from(Homogeneous(m.x), corners, p);
-  return -det_sign(p[0], p[1], p[2]);  // det(a - m, b - m, c - m) > 0 when m is behind
+  thread_local mpz_class height;
+  Plane(corners).height(Homogeneous(m.x), height);
+  return sgn(height);
+}
+
+Rational Rays::cut(const Point& a, const Point& b, Index f) const {
+  const double* corners[3] = {corner(f, 0), corner(f, 1), corner(f, 2)};
+  const Plane plane(corners);
+  const Homogeneous from(a.x), to(b.x);
+  mpz_class x, y;
+  plane.height(from, x);
+  plane.height(to, y);
+  x *= to.denominator;
+  y *= from.denominator;
+  Rational t(x, x - y);
+  t.canonicalize();
+  return t;
 }
 
 RayCount Rays::count(const Point& m, const Point& d, const Point* tilt, const std::vector<Index>& skip,

@@ -77,6 +77,8 @@ class Rays {
   // (infinity outside the range of the filter); and its sign, exact: 1 in front of the face.
   double height(const Point& m, Index f, double& error) const;
   int side(const Point& m, Index f) const;
+  // Where the line through a and b meets face f's plane: 0 at a, 1 at b. pre: a and b differ in height.
+  Rational cut(const Point& a, const Point& b, Index f) const;
 
   // The winding number of m, or none when m lies on the surface.
   std::optional<int> winding(const Point& m) const;

@@ -145,11 +145,7 @@ class PairStudy {
       }
     }
     const auto at = [&](Cut& cut) -> const Rational& {
-      if (!cut.exact) {
-        const Vec o = corner(cut.face, 0), n = rays_.normal(cut.face);
-        const Rational a = dot(n, from - o), b = dot(n, to - o);
-        cut.exact = a / (a - b);
-      }
+      if (!cut.exact) cut.exact = rays_.cut(start, end, cut.face);
       return *cut.exact;
     };
     // The order of exact arithmetic; the doubles decide wherever they are far enough apart.
