@@ -30,7 +30,21 @@ constexpr std::int64_t kGrain = 1 << 14;
 
 }  // namespace
 
-TetArrays delaunay(const double* points, Index n, const std::function<bool()>& stop) {
+struct DelaunayBuilder::State {
+  Triangulation triangulation;
+  Triangulation::Cell_handle near;
+};
+
+DelaunayBuilder::DelaunayBuilder() = default;
+DelaunayBuilder::~DelaunayBuilder() = default;
+DelaunayBuilder::DelaunayBuilder(DelaunayBuilder&&) noexcept = default;
+DelaunayBuilder& DelaunayBuilder::operator=(DelaunayBuilder&&) noexcept = default;
+
+Index DelaunayBuilder::points() const {
+  return state_ ? static_cast<Index>(state_->triangulation.number_of_vertices()) : 0;
+}
+
+bool DelaunayBuilder::insert(const double* points, Index n, const std::function<bool()>& stop) {
   std::vector<Point> position;
   position.reserve(n);
   for (Index v = 0; v < n; ++v) position.emplace_back(points[3 * v], points[3 * v + 1], points[3 * v + 2]);
@@ -40,16 +54,27 @@ TetArrays delaunay(const double* points, Index n, const std::function<bool()>& s
   CGAL::spatial_sort(order.begin(), order.end(),
                      CGAL::Spatial_sort_traits_adapter_3<Kernel, Map>(CGAL::make_property_map(position)));
 
-  Triangulation triangulation;
-  Triangulation::Cell_handle near;
+  if (!state_) state_ = std::make_unique<State>();
+  Triangulation& triangulation = state_->triangulation;
+  const Index before = this->points();
   for (Index i = 0; i < n; ++i) {
-    if (i % kPointsBetweenStops == 0 && stop()) return {};
-    const auto v = triangulation.insert(position[order[i]], near);
-    v->info() = static_cast<Index>(order[i]);
-    near = v->cell();
+    const bool go_on = i % kPointsBetweenStops != 0 || !stop();
+    if (go_on) {
+      const auto v = triangulation.insert(position[order[i]], state_->near);
+      v->info() = before + static_cast<Index>(order[i]);
+      state_->near = v->cell();
+    }
+    if (!go_on || this->points() != before + i + 1) {
+      state_.reset();
+      return false;
+    }
   }
-  if (triangulation.dimension() < 3) return {};
+  return true;
+}
 
+TetArrays DelaunayBuilder::tets() const {
+  if (!state_ || state_->triangulation.dimension() < 3) return {};
+  const Triangulation& triangulation = state_->triangulation;
   std::vector<Triangulation::Cell_handle> cells;
   cells.reserve(triangulation.number_of_cells());
   for (const Triangulation::Cell_handle c : triangulation.all_cell_handles()) {
@@ -67,6 +92,11 @@ TetArrays delaunay(const double* points, Index n, const std::function<bool()>& s
       }
   });
   return out;
+}
+
+TetArrays delaunay(const double* points, Index n, const std::function<bool()>& stop) {
+  DelaunayBuilder builder;
+  return builder.insert(points, n, stop) ? builder.tets() : TetArrays{};
 }
 
 }  // namespace overtet

@@ -169,7 +169,6 @@ class Clearer {
   struct HalfSpace {
     Vector3d normal;  // unit, inward
     Vector3d origin;
-    double distance(const Vector3d& x) const { return normal.dot(x - origin); }
   };
 
   static bool half_space(const Vector3d& a, const Vector3d& b, const Vector3d& c, HalfSpace& out) {
@@ -587,15 +586,29 @@ class Clearer {
     result_.smallest_clearance = std::min(result_.smallest_clearance, place.clearance);
   }
 
-  // What find_place() works with: the half-spaces, and how far a point and the next one lie in them.
+  // What find_place() works with: the half-spaces, and how far a point and the next one lie in them. By
+  // coordinate, so that several are measured at once.
   struct Search {
-    std::vector<HalfSpace> spaces;
-    std::vector<double> distance, there;
+    std::vector<double> nx, ny, nz, ox, oy, oz, distance, there;
 
+    void clear() {
+      for (auto* list : {&nx, &ny, &nz, &ox, &oy, &oz}) list->clear();
+    }
+    void add(const HalfSpace& h) {
+      nx.push_back(h.normal[0]), ny.push_back(h.normal[1]), nz.push_back(h.normal[2]);
+      ox.push_back(h.origin[0]), oy.push_back(h.origin[1]), oz.push_back(h.origin[2]);
+    }
+    std::size_t size() const { return nx.size(); }
     double measure(const Vector3d& x, std::vector<double>& into) const {
+      const std::size_t n = size();
+      const double a = x[0], b = x[1], c = x[2];
+      const double *const nx_ = nx.data(), *const ny_ = ny.data(), *const nz_ = nz.data();
+      const double *const ox_ = ox.data(), *const oy_ = oy.data(), *const oz_ = oz.data();
+      double* const d = into.data();
+      for (std::size_t i = 0; i < n; ++i)
+        d[i] = nx_[i] * (a - ox_[i]) + ny_[i] * (b - oy_[i]) + nz_[i] * (c - oz_[i]);
       double least = std::numeric_limits<double>::infinity();
-      for (std::size_t i = 0; i < spaces.size(); ++i)
-        least = std::min(least, into[i] = spaces[i].distance(x));
+      for (std::size_t i = 0; i < n; ++i) least = std::min(least, d[i]);
       return least;
     }
   };
@@ -604,12 +617,12 @@ class Clearer {
   // radius of at least `least` of the star's size.
   std::optional<Place> find_place(Index v, const std::vector<Triple>& sides, double least,
                                   Search& search) const {
-    search.spaces.clear();
+    search.clear();
     for (const Triple& s : sides) {
       HalfSpace h;
       if (!half_space(complex_.position(s[0]), complex_.position(s[1]), complex_.position(s[2]), h))
         return std::nullopt;
-      search.spaces.push_back(h);
+      search.add(h);
     }
     search.distance.resize(sides.size());
     search.there.resize(sides.size());
@@ -624,9 +637,9 @@ class Clearer {
     double step = 0.25 * size;
     for (int i = 0; i < 200 && step > std::max(kLeastStep * size, kWorthwhile * best_value); ++i) {
       Vector3d direction = Vector3d::Zero();
-      for (std::size_t k = 0; k < search.spaces.size(); ++k)
+      for (std::size_t k = 0; k < search.size(); ++k)
         if (const double slack = search.distance[k] - value; slack <= 0.5 * step)
-          direction += search.spaces[k].normal * std::exp(-4 * slack / step);
+          direction += Vector3d(search.nx[k], search.ny[k], search.nz[k]) * std::exp(-4 * slack / step);
       const double length = direction.norm();
       bool moved = false;
       if (length > 1e-12) {

@@ -2,19 +2,25 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
+#include <span>
 #include <string>
+
+#include "kernels/parallel/grouping.h"
+#include "kernels/parallel/parallel.h"
+#include "kernels/parallel/raw_vector.h"
 
 namespace overtet {
 
 namespace {
 
+constexpr std::int64_t kGrain = 1 << 13;  // tets, vertices
+
 constexpr int kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 
 // Copies of tets with explicit neighbours: until duplicate edges are gone, vertices do not identify faces.
 struct Copies {
-  std::vector<std::array<Index, 4>> tet;
-  std::vector<std::array<Index, 4>> next;  // neighbour, or -1 - input face
+  RawVector<std::array<Index, 4>> tet;
+  RawVector<std::array<Index, 4>> next;  // neighbour, or -1 - input face
 };
 
 class Builder {
@@ -39,48 +45,60 @@ class Builder {
     for (Index t = 0; t < n; ++t) first_[t + 1] = first_[t] + sheets_.winding_of(t);
     copies_.tet.resize(first_[n]);
     copies_.next.resize(first_[n]);
-    for (Index t = 0; t < n; ++t) {
-      for (Index i = 0; i < first_[t + 1] - first_[t]; ++i) {
-        const Index c = first_[t] + i;
-        for (int k = 0; k < 4; ++k) {
-          copies_.tet[c][k] = tets_.T(t, k);
-          const Index f = sheets_.facet_on[t][k];
-          const Index other = tets_.neighbours(t, k);
-          if (f < 0) {
-            copies_.next[c][k] = first_[other] + i;
-            continue;
-          }
-          const int to = sheets_.across(f, sheets_.facets[f].front == t, i);
-          const Index triangle = sheets_.facets[f].triangle;
-          copies_.next[c][k] =
-              to >= 0 ? first_[other] + to
-                      : -1 - arrangement_.sheets[arrangement_.sheet_begin[triangle] - 1 - to].face;
-        }
+    parallel_for(n, kGrain, [&](std::int64_t begin, std::int64_t end) {
+      for (Index t = static_cast<Index>(begin); t < end; ++t)
+        for (Index i = 0; i < first_[t + 1] - first_[t]; ++i) copy_tet(t, i);
+    });
+  }
+
+  void copy_tet(Index t, Index i) {
+    const Index c = first_[t] + i;
+    for (int k = 0; k < 4; ++k) {
+      copies_.tet[c][k] = tets_.T(t, k);
+      const Index f = sheets_.facet_on[t][k];
+      const Index other = tets_.neighbours(t, k);
+      if (f < 0) {
+        copies_.next[c][k] = first_[other] + i;
+        continue;
       }
+      const int to = sheets_.across(f, sheets_.facets[f].front == t, i);
+      const Index triangle = sheets_.facets[f].triangle;
+      copies_.next[c][k] = to >= 0
+                               ? first_[other] + to
+                               : -1 - arrangement_.sheets[arrangement_.sheet_begin[triangle] - 1 - to].face;
     }
   }
 
   // Vertices of the solid are classes of tet corners that are glued.
   std::optional<Error> number_vertices() {
     const std::size_t n = copies_.tet.size();
-    std::vector<Index> parent(4 * n);
-    std::iota(parent.begin(), parent.end(), 0);
-    const auto find = [&](Index i) {
-      while (parent[i] != i) i = parent[i] = parent[parent[i]];
-      return i;
-    };
-    for (std::size_t c = 0; c < n; ++c) {
-      for (int k = 0; k < 4; ++k) {
-        const Index other = copies_.next[c][k];
-        if (other < static_cast<Index>(c)) continue;  // boundary, or done from there
-        for (const int j : kFace[k]) {
-          int m = 0;
-          while (copies_.tet[other][m] != copies_.tet[c][j]) ++m;
-          const Index a = find(static_cast<Index>(4 * c + j)), b = find(4 * other + m);
-          if (a != b) parent[std::max(a, b)] = std::min(a, b);
-        }
+    // Only corners at one point can be glued, so each point's corners are a problem of their own.
+    RawVector<Index> start, corners;
+    group_items(tets_.V.rows(), start, corners, [&](auto visit) {
+      for (std::size_t c = 0; c < n; ++c)
+        for (int k = 0; k < 4; ++k) visit(copies_.tet[c][k], static_cast<Index>(4 * c + k));
+    });
+    RawVector<Index> root(4 * n);  // the first corner of its class
+    parallel_for(tets_.V.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+      const auto find = [&](Index i) {
+        while (root[i] != i) i = root[i] = root[root[i]];
+        return i;
+      };
+      for (std::int64_t v = begin; v < end; ++v) {
+        const std::span<const Index> here(corners.data() + start[v], corners.data() + start[v + 1]);
+        for (const Index i : here) root[i] = i;
+        for (const Index i : here)
+          for (int k = 0; k < 4; ++k) {
+            const Index other = copies_.next[i / 4][k];
+            if (k == i % 4 || other < i / 4) continue;  // boundary, or done from there
+            int m = 0;
+            while (copies_.tet[other][m] != v) ++m;
+            const Index a = find(i), b = find(4 * other + m);
+            if (a != b) root[std::max(a, b)] = std::min(a, b);
+          }
+        for (const Index i : here) root[i] = find(i);
       }
-    }
+    });
     std::vector<Index> number(4 * n, -1);
     const Index surface_vertices = static_cast<Index>(surface_.V.rows());
     std::vector<char> seen(surface_vertices, 0);
@@ -92,7 +110,7 @@ class Builder {
           for (int m = 0; m < 3; ++m) {
             const Index v = surface_.F(face, m);
             if (arrangement_.vertex_of_input[v] != copies_.tet[c][j]) continue;
-            Index& at = number[find(static_cast<Index>(4 * c + j))];
+            Index& at = number[root[4 * c + j]];
             if (at >= 0 && at != v)
               return Error{ErrorCode::unsolved, "Vertices " + std::to_string(at) + " and " +
                                                     std::to_string(v) +
@@ -110,14 +128,15 @@ class Builder {
     position_.reserve(surface_vertices + tets_.V.rows());
     for (Index v = 0; v < surface_vertices; ++v)
       position_.push_back(arrangement_.V.row(arrangement_.vertex_of_input[v]));
-    for (std::size_t i = 0; i < 4 * n; ++i) {
-      const Index root = find(static_cast<Index>(i));
-      if (number[root] < 0) {
-        number[root] = next++;
+    for (std::size_t i = 0; i < 4 * n; ++i)
+      if (root[i] == static_cast<Index>(i) && number[i] < 0) {
+        number[i] = next++;
         position_.push_back(tets_.V.row(copies_.tet[i / 4][i % 4]));
       }
-    }
-    for (std::size_t i = 0; i < 4 * n; ++i) copies_.tet[i / 4][i % 4] = number[find(static_cast<Index>(i))];
+    parallel_for(static_cast<std::int64_t>(n), kGrain, [&](std::int64_t begin, std::int64_t end) {
+      for (std::int64_t c = begin; c < end; ++c)
+        for (int k = 0; k < 4; ++k) copies_.tet[c][k] = number[root[4 * c + k]];
+    });
     return std::nullopt;
   }
 
@@ -159,6 +178,17 @@ class Builder {
             if (copies_.tet[i][k] == copies_.tet[j][k]) several[copies_.tet[i][k]] = 1;
   }
 
+  // Tets with so many marked corners or more.
+  std::vector<Index> tets_with(const std::vector<char>& marked, int least) const {
+    return parallel_collect<Index>(static_cast<std::int64_t>(copies_.tet.size()), kGrain,
+                                   [&](std::int64_t begin, std::int64_t end, std::vector<Index>& out) {
+                                     for (std::int64_t c = begin; c < end; ++c)
+                                       if (const auto& t = copies_.tet[c];
+                                           marked[t[0]] + marked[t[1]] + marked[t[2]] + marked[t[3]] >= least)
+                                         out.push_back(static_cast<Index>(c));
+                                   });
+  }
+
   // A vertex may lie on several copies of one tet (around hinges); then two different edges can have the same
   // ends. Only such vertices matter. All but one edge are halved; boundary edges stay whole.
   std::optional<Error> separate_edges() {
@@ -169,7 +199,7 @@ class Builder {
       waiting = false;
       several.resize(position_.size(), 0);
       std::map<std::pair<Index, Index>, std::vector<Index>> tets_at;
-      for (Index c = 0; c < static_cast<Index>(copies_.tet.size()); ++c)
+      for (const Index c : tets_with(several, 2))
         for (const Index a : copies_.tet[c])
           for (const Index b : copies_.tet[c])
             if (a < b && several[a] && several[b]) tets_at[{a, b}].push_back(c);
@@ -257,7 +287,7 @@ class Builder {
     std::vector<char> several(position_.size(), 0);
     mark_several(several);
     std::map<std::array<Index, 3>, std::vector<std::pair<Index, int>>> sides;
-    for (Index c = 0; c < static_cast<Index>(copies_.tet.size()); ++c)
+    for (const Index c : tets_with(several, 3))
       for (int k = 0; k < 4; ++k) {
         std::array<Index, 3> f{copies_.tet[c][kFace[k][0]], copies_.tet[c][kFace[k][1]],
                                copies_.tet[c][kFace[k][2]]};
@@ -362,16 +392,24 @@ class Builder {
     for (std::size_t v = 0; v < position_.size(); ++v) out.mesh.V.row(v) = position_[v];
     out.mesh.T.resize(copies_.tet.size(), 4);
     out.neighbours.resize(copies_.tet.size(), 4);
-    for (std::size_t c = 0; c < copies_.tet.size(); ++c) {
-      const auto& t = copies_.tet[c];
-      out.mesh.T.row(c) << t[0], t[1], t[2], t[3];
-      for (int k = 0; k < 4; ++k) {
-        out.neighbours(c, k) = std::max(copies_.next[c][k], -1);
-        if (copies_.next[c][k] >= 0) continue;
-        out.boundary.push_back({t[kFace[k][0]], t[kFace[k][1]], t[kFace[k][2]]});
-        out.face.push_back(-1 - copies_.next[c][k]);
-      }
-    }
+    struct Side {
+      std::array<Index, 3> triangle;
+      Index face;
+    };
+    const std::vector<Side> sides = parallel_collect<Side>(
+        static_cast<std::int64_t>(copies_.tet.size()), kGrain,
+        [&](std::int64_t begin, std::int64_t end, std::vector<Side>& list) {
+          for (std::int64_t c = begin; c < end; ++c) {
+            const auto& t = copies_.tet[c];
+            out.mesh.T.row(c) << t[0], t[1], t[2], t[3];
+            for (int k = 0; k < 4; ++k) {
+              out.neighbours(c, k) = std::max(copies_.next[c][k], -1);
+              if (copies_.next[c][k] < 0)
+                list.push_back({{t[kFace[k][0]], t[kFace[k][1]], t[kFace[k][2]]}, -1 - copies_.next[c][k]});
+            }
+          }
+        });
+    for (const Side& side : sides) out.boundary.push_back(side.triangle), out.face.push_back(side.face);
     return out;
   }
 

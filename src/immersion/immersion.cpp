@@ -6,7 +6,9 @@
 #include <iterator>
 #include <optional>
 #include <string>
+#include <utility>
 
+#include "kernels/parallel/parallel.h"
 #include "src/immersion/boundary_points.h"
 #include "src/immersion/cover.h"
 #include "src/immersion/sheets.h"
@@ -56,7 +58,14 @@ Result<ImmersionResult> attempt(const Surface& surface, const std::vector<FacePa
   ImmersionResult out;
   Stopwatch watch;
   context.report("immersion", 0, "arrangement");
-  Result<Arrangement> arrangement = arrange(surface, pairs, {tolerance}, context);
+  // The Delaunay tets of the surface's own vertices are serial work and need no arrangement.
+  std::optional<Result<Arrangement>> arranged;
+  DelaunayBuilder delaunay;
+  parallel_invoke([&] { arranged = arrange(surface, pairs, {tolerance}, context); },
+                  [&] {
+                    if (tolerance == 0) delaunay = begin_delaunay(surface.V, surface.F.rows(), context);
+                  });
+  Result<Arrangement>& arrangement = *arranged;
   if (!arrangement) return arrangement.error();
   out.arrangement = std::move(arrangement).value();
   out.arrangement_seconds = watch.lap();
@@ -71,7 +80,8 @@ Result<ImmersionResult> attempt(const Surface& surface, const std::vector<FacePa
   tetgen.quality = options.radius_edge > 0 && worth_refining(surface.V, surface.F);
   if (tetgen.quality) tetgen.radius_edge = options.radius_edge;
   tetgen.accept_split = true;  // added points leave the boundary like those of the arrangement
-  Result<TetgenResult> tets = tetrahedralize_stubbornly(plc, tetgen, context);
+  if (delaunay.points() != out.arrangement.input_positions) delaunay = {};  // vertices in one place
+  Result<TetgenResult> tets = tetrahedralize_stubbornly(plc, tetgen, context, std::move(delaunay));
   if (!tets) return tets.error();
   out.tet_mesh_seconds = watch.lap();
   out.steiner_points = static_cast<Index>(tets.value().V.rows() - plc.V.rows());

@@ -521,11 +521,14 @@ class Assigner {
     std::vector<std::vector<std::pair<Index, Index>>> links(cells_ + 1);  // (cell, w there - w here)
     const auto index = [&](Index tet) { return tet < 0 ? cells_ : out_.cell[tet]; };
     std::map<std::tuple<Index, Index, Index>, char> seen;
+    std::tuple<Index, Index, Index> last(-1, -1, 0);
     for (Index f = 0; f < static_cast<Index>(out_.facets.size()); ++f) {
       Index jump = 0;
       for (Index s = 0; s < sheet_count(f); ++s) jump += sheet(f, s).sign;
       const Index front = index(out_.facets[f].front), back = index(out_.facets[f].back);
-      if (!seen.try_emplace({front, back, jump}, 1).second) continue;
+      const std::tuple key(front, back, jump);
+      if (key == last || !seen.try_emplace(key, 1).second) continue;
+      last = key;
       links[front].emplace_back(back, jump);
       links[back].emplace_back(front, -jump);
     }
@@ -593,6 +596,12 @@ class Assigner {
       std::size_t e = b + 1;
       while (e < uses.size() && uses[e].p == uses[b].p && uses[e].q == uses[b].q) ++e;
       const std::span<const EdgeUse> group(uses.data() + b, e - b);
+      if (!free_ && goes_on(group)) {  // nearly all edges
+        link[group[0].facet][group[0].corner] = group[1].facet;
+        link[group[1].facet][group[1].corner] = group[0].facet;
+        b = e;
+        continue;
+      }
       if (auto error = find_passes(group, passes, over)) return error;
       if (covered.count(over)) {
         free_groups_[over].emplace_back(b, e);
@@ -794,6 +803,15 @@ class Assigner {
                           p = tets_.V.row(vertex);
     const Eigen::Vector3d d = (b - a).normalized();
     return (p - a - d * d.dot(p - a)).norm();
+  }
+
+  // Two facets of one sheet each that continue into each other without extra turns.
+  bool goes_on(std::span<const EdgeUse> group) const {
+    if (group.size() != 2 || sheet_count(group[0].facet) != 1 || sheet_count(group[1].facet) != 1)
+      return false;
+    const Index f = sheet(group[0].facet, 0).face, g = sheet(group[1].facet, 0).face;
+    Edge edge;
+    return f == g || (shared_corners(f, g, edge) == 2 && turns_.find(edge) == turns_.end());
   }
 
   // Which sheet continues into which at one edge of the arrangement (from/to index the group).

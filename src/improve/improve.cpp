@@ -57,6 +57,9 @@ int parts_for(std::size_t tets, std::int64_t tets_per_part) {
   return parts;
 }
 
+// For what is shared out without a cut.
+int pieces_for(std::size_t tets) { return std::min(kLeastParts, parts_for(tets, kTetsPerLook)); }
+
 enum class Work { refine, passes, both, look };
 
 struct PartResult {
@@ -297,12 +300,14 @@ Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, cons
                                                 : 0.8,
                      std::to_string(chosen.size()) + " tets in " + std::to_string(count) + " parts");
       const std::vector<int> weight = weights(mesh, chosen, what, options);
+      const bool last = count == 1;  // nothing is cut any more, but what does not hang together is shared out
+      if (last && !fresh.empty()) count = pieces_for(chosen.size());
       Pieces pieces;
       if (!fresh.empty()) pieces = in_pieces(mesh, chosen, count, weight);
-      if (fresh.empty() || pieces.uneven > kUneven)
+      if (fresh.empty() || (!last && pieces.uneven > kUneven))
         pieces.part_of = cut_apart(mesh, chosen, count, slack, weight);
       fresh = round(what, pieces.part_of, count, chosen, weight, fresh);
-      if (count == 1 || context.stop()) return;
+      if (last || context.stop()) return;
       const auto before = static_cast<double>(chosen.size());
       chosen = around(mesh, unfinished(mesh, fresh, what, options));
       if (static_cast<double>(chosen.size()) > kShrinks * before) return;
@@ -319,7 +324,7 @@ Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, cons
   const auto look_at = [&](Work what, double sine) {
     const std::vector<Index> chosen =
         around(mesh, corners_of(mesh, [&](Index t) { return quality(mesh, t) < sine; }));
-    const int count = std::min(kLeastParts, parts_for(chosen.size(), kTetsPerLook));
+    const int count = pieces_for(chosen.size());
     if (chosen.empty() || context.stop()) return;
     const std::vector<int> weight = weights(mesh, chosen, what, options);
     round(what, in_pieces(mesh, chosen, count, weight).part_of, count, chosen, weight, {});
@@ -334,6 +339,7 @@ Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, cons
     if (!(worst > kLookPays * before)) break;
   }
   if (since_begin() < budget) result.lifted = lift_worst(mesh, target, silent);
+  if (result.lifted > 0) look_at(Work::passes, sine_of(kLookAgain * options.target_degrees));
   if (context.cancel && context.stop()) return *context.stop();
   result.after = dihedral_statistics(mesh.V, mesh.T);
   result.seconds = since_begin();

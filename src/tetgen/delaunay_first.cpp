@@ -144,12 +144,20 @@ class DelaunayFirst {
       for (std::int64_t c = begin; c < end; ++c)
         if (!fill_whole(cavities_[c], filler)) fill_facet_by_facet(cavities_[c], filler, round);
     });
-    std::vector<Wall> walls;
+    // What lies beyond walls changes while cavities are replaced one by one; the walls themselves do not.
+    std::vector<Replacement> replacements(cavities_.size());
+    parallel_for(static_cast<std::int64_t>(cavities_.size()), 32, [&](std::int64_t begin, std::int64_t end) {
+      for (std::int64_t c = begin; c < end; ++c) {
+        if (cavities_[c].found.empty()) continue;
+        find_walls(cavities_[c], replacements[c].walls);
+        prepare(cavities_[c].found, cavities_[c].fill, replacements[c]);
+      }
+    });
     std::vector<char> found(plc_.F.rows(), 0);
-    for (const Cavity& cavity : cavities_) {
+    for (std::size_t c = 0; c < cavities_.size(); ++c) {
+      const Cavity& cavity = cavities_[c];
       if (cavity.found.empty()) continue;
-      find_walls(cavity, walls);
-      replace(walls, cavity.found, cavity.fill);
+      replace(replacements[c], cavity.fill);
       for (const Index t : cavity.tets) replaced_[t] = 1;
       for (const Index f : cavity.found) found[f] = 1;
     }
@@ -263,48 +271,57 @@ class DelaunayFirst {
         inside[t] = std::binary_search(faces.begin(), faces.end(), sorted(face_of(tets[t], k)));
   }
 
-  // Puts tets in the place of those of cavities: the faces of the new ones meet the walls, the given facets
-  // or each other.
-  void replace(const std::vector<Wall>& walls, const std::vector<Index>& facets,
-               const std::vector<Tet>& added) {
+  // What meets where tets take the place of those of cavities.
+  struct Replacement {
     struct Side {
       Triple key;
       int kind;  // 0: a wall, 1: a facet, 2: a new tet's
-      Index a;   // wall, facet or tet
+      Index a;   // wall, facet or new tet
       int corner;
     };
-    std::vector<Side> sides;
-    for (std::size_t i = 0; i < walls.size(); ++i)
-      sides.push_back({sorted(walls[i].face), 0, static_cast<Index>(i), 0});
-    for (const Index f : facets) sides.push_back({sorted(facets_[f]), 1, f, 0});
+    std::vector<Wall> walls;
+    std::vector<Side> sides;  // sorted
+  };
+
+  // Fills in the sides. facets: those that the added tets have.
+  void prepare(const std::vector<Index>& facets, const std::vector<Tet>& added, Replacement& r) const {
+    for (std::size_t i = 0; i < r.walls.size(); ++i)
+      r.sides.push_back({sorted(r.walls[i].face), 0, static_cast<Index>(i), 0});
+    for (const Index f : facets) r.sides.push_back({sorted(facets_[f]), 1, f, 0});
+    for (std::size_t i = 0; i < added.size(); ++i)
+      for (int k = 0; k < 4; ++k)
+        r.sides.push_back({sorted(face_of(added[i], k)), 2, static_cast<Index>(i), k});
+    std::sort(r.sides.begin(), r.sides.end(), [](const Replacement::Side& a, const Replacement::Side& b) {
+      return std::tie(a.key, a.kind, a.a, a.corner) < std::tie(b.key, b.kind, b.a, b.corner);
+    });
+  }
+
+  // Puts the tets in: their faces meet the walls, the facets or each other.
+  void replace(const Replacement& r, const std::vector<Tet>& added) {
+    const auto& sides = r.sides;
     const Index first = static_cast<Index>(tet_.size());
-    for (std::size_t i = 0; i < added.size(); ++i) {
-      const Index t = first + static_cast<Index>(i);
-      tet_.push_back(added[i]);
+    for (const Tet& t : added) {
+      tet_.push_back(t);
       next_.push_back({-1, -1, -1, -1});
       facet_on_.push_back({-1, -1, -1, -1});
       cavity_of_.push_back(-1);
       replaced_.push_back(0);
-      for (int k = 0; k < 4; ++k) sides.push_back({sorted(face_of(added[i], k)), 2, t, k});
     }
-    std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
-      return std::tie(a.key, a.kind, a.a, a.corner) < std::tie(b.key, b.kind, b.a, b.corner);
-    });
     for (std::size_t b = 0; b < sides.size();) {
       std::size_t e = b + 1;
       while (e < sides.size() && sides[e].key == sides[b].key) ++e;
       for (std::size_t i = b; i < e; ++i) {
         if (sides[i].kind != 2) continue;
-        const Index t = sides[i].a;
+        const Index t = first + sides[i].a;
         const int k = sides[i].corner;
         for (std::size_t j = b; j < e; ++j) {
           if (j == i) continue;
           if (sides[j].kind == 2) {
-            next_[t][k] = sides[j].a;
+            next_[t][k] = first + sides[j].a;
           } else if (sides[j].kind == 1) {
             facet_on_[t][k] = sides[j].a;
           } else {
-            const Wall& wall = walls[sides[j].a];
+            const Wall& wall = r.walls[sides[j].a];
             if (same_turn(wall.face, face_of(added[t - first], k))) continue;  // the wall's other side
             const Index f = facet_on_[wall.tet][wall.corner], outside = next_[wall.tet][wall.corner];
             facet_on_[t][k] = f;
@@ -339,7 +356,7 @@ class DelaunayFirst {
   const RunContext& context_;
   const DelaunayFirstOptions& options_;
   DelaunayMatch& match_;
-  std::vector<Tet>&tet_ = match_.tet, &next_ = match_.next, &facet_on_ = match_.facet_on;
+  RawVector<Tet>&tet_ = match_.tet, &next_ = match_.next, &facet_on_ = match_.facet_on;
   std::vector<char>& replaced_ = match_.replaced;
   std::vector<Triple>& facets_ = match_.facets;  // the input's, then parts of those that had to be split
   std::vector<Index>& missing_ = match_.missing;
@@ -532,7 +549,10 @@ void DelaunayFirst::put_in(const Piece& piece) {
   std::vector<Tet> tets;
   for (const Index t : piece.inside)
     tets.push_back({number(r.T(t, 0)), number(r.T(t, 1)), number(r.T(t, 2)), number(r.T(t, 3))});
-  replace(piece.walls, facets, tets);
+  Replacement replacement;
+  replacement.walls = piece.walls;
+  prepare(facets, tets, replacement);
+  replace(replacement, tets);
   for (const Index c : piece.cavities)
     for (const Index t : cavities_[c].tets) replaced_[t] = 1;
   tetgen_facets_ += r.tetgen_facets;
@@ -542,10 +562,11 @@ void DelaunayFirst::put_in(const Piece& piece) {
 }  // namespace
 
 Result<TetgenResult> tetrahedralize_delaunay_first(const Plc& plc, const RunContext& context,
-                                                   const DelaunayFirstOptions& options) {
+                                                   const DelaunayFirstOptions& options,
+                                                   DelaunayBuilder begun) {
   const auto begin = RunContext::Clock::now();
   DelaunayMatch match(plc);
-  if (auto error = match.run(context)) return *error;
+  if (auto error = match.run(context, std::move(begun))) return *error;
   const Index missing = static_cast<Index>(match.missing.size());
   const bool few = static_cast<double>(missing) <= options.most_missing * static_cast<double>(plc.F.rows());
   Result<TetgenResult> out = few ? DelaunayFirst(match, context, options).run()

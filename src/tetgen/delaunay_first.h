@@ -7,6 +7,7 @@
 // missing or not, on one thread.
 #pragma once
 
+#include "kernels/delaunay/delaunay.h"
 #include "src/tetgen/tetgen.h"
 
 namespace overtet {
@@ -21,9 +22,10 @@ struct DelaunayFirstOptions {
 };
 
 // What tetrahedralize() with keep_facets, accept_split and without quality promises, for the same input. The
-// same result on any number of threads.
+// same result on any number of threads. begun: has the complex's first points.
 // Errors: those of tetrahedralize(); unsolved also where this does not pay.
 Result<TetgenResult> tetrahedralize_delaunay_first(const Plc& plc, const RunContext& context,
-                                                   const DelaunayFirstOptions& options = {});
+                                                   const DelaunayFirstOptions& options = {},
+                                                   DelaunayBuilder begun = {});
 
 }  // namespace overtet

@@ -4,7 +4,6 @@
 #include <string>
 
 #include "kernels/delaunay/cavity.h"
-#include "kernels/delaunay/delaunay.h"
 #include "kernels/parallel/grouping.h"
 #include "kernels/parallel/parallel.h"
 
@@ -47,15 +46,17 @@ Index TriangleTable::find(const Triple& f) const {
   return -1;
 }
 
-std::optional<Error> DelaunayMatch::run(const RunContext& context) {
-  const Index n = static_cast<Index>(plc.V.rows());
-  if (auto error = context.no_room_for(static_cast<std::size_t>(n) * 1500)) return error;
-  TetArrays all = delaunay(plc.V.data(), n, [&] { return context.stop().has_value(); });
+std::optional<Error> DelaunayMatch::run(const RunContext& context, DelaunayBuilder begun) {
+  const Index n = static_cast<Index>(plc.V.rows()), first = begun.points();
+  if (auto error = context.no_room_for(static_cast<std::size_t>(n - first) * kDelaunayBytesPerPoint)) return error;
+  begun.insert(plc.V.data() + 3 * static_cast<std::ptrdiff_t>(first), n - first,
+               [&] { return context.stop().has_value(); });
   if (auto stop = context.stop()) return stop;
+  TetArrays all = begun.tets();
+  begun = {};
   if (all.tet.empty()) return Error{ErrorCode::unsolved, "All points lie in a plane."};
-  tet.assign(all.tet.begin(), all.tet.end());
-  next.assign(all.next.begin(), all.next.end());
-  all = {};
+  tet = std::move(all.tet);
+  next = std::move(all.next);
   facets.resize(plc.F.rows());
   for (std::size_t f = 0; f < facets.size(); ++f) facets[f] = {plc.F(f, 0), plc.F(f, 1), plc.F(f, 2)};
   replaced.assign(tet.size(), 0);

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "kernels/delaunay/delaunay.h"
 #include "kernels/parallel/raw_vector.h"
 #include "overtet/result.h"
 #include "src/tetgen/tetgen.h"
@@ -38,18 +39,21 @@ class TriangleTable {
   RawVector<Index> items_;
 };
 
+// Memory that the Delaunay tets of a point take while they are made.
+inline constexpr std::size_t kDelaunayBytesPerPoint = 1500;
+
 struct DelaunayMatch {
   explicit DelaunayMatch(const Plc& complex) : plc(complex) {}
 
-  // Fills everything but crossed. The same on any number of threads.
-  std::optional<Error> run(const RunContext& context);
+  // Fills everything but crossed. The same on any number of threads. begun: has the complex's first points.
+  std::optional<Error> run(const RunContext& context, DelaunayBuilder begun = {});
 
   // The tets that each missing facet passes through, by facet.
   void find_crossed_tets();
 
   const Plc& plc;
-  std::vector<Tet> tet, next;  // as TetArrays (kernels/delaunay/delaunay.h)
-  std::vector<Tet> facet_on;   // per tet: the facet on the face opposite to each corner, or -1
+  RawVector<Tet> tet, next;    // as TetArrays
+  RawVector<Tet> facet_on;     // per tet: the facet on the face opposite to each corner, or -1
   std::vector<char> replaced;  // per tet: it is no more (for those who change them)
   std::vector<Triple> facets;  // the complex's
   std::vector<Index> missing;  // facets that are no faces
@@ -58,10 +62,10 @@ struct DelaunayMatch {
 
 // Tets that fill what the facets enclose, and perhaps more around it.
 struct Filling {
-  const std::vector<Tet>&tet, &next, &facet_on;  // as in DelaunayMatch
-  const std::vector<Triple>& facets;             // the complex's, then parts of those that had to be split
-  const std::vector<Index>& source;              // the complex's facet of each
-  const std::vector<Eigen::Vector3d>& added;     // points; their numbers follow those of the complex
+  const RawVector<Tet>&tet, &next, &facet_on;  // as in DelaunayMatch
+  const std::vector<Triple>& facets;           // the complex's, then parts of those that had to be split
+  const std::vector<Index>& source;            // the complex's facet of each
+  const std::vector<Eigen::Vector3d>& added;   // points; their numbers follow those of the complex
 };
 
 // The result without the tets that can be reached from outside without passing through a facet, and without

@@ -142,7 +142,7 @@ class Parts {
 
   const DelaunayMatch& match_;
   const Plc& plc_;
-  const std::vector<Tet>&tet_, &next_, &facet_on_;
+  const RawVector<Tet>&tet_, &next_, &facet_on_;
   const std::vector<Triple>& facets_;
   const Index per_part_;
   const RunContext& context_;
@@ -375,7 +375,7 @@ Result<TetgenResult> Parts::join() const {
   std::iota(source.begin(), source.end(), 0);
   std::vector<char> found(facets, 0);
   std::vector<Eigen::Vector3d> added;
-  std::vector<Tet> tet, next, facet_on;
+  RawVector<Tet> tet, next, facet_on;
   std::vector<Door> doors;
   for (const Part& part : parts_) {
     const TetgenResult& r = part.result;

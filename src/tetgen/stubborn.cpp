@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <numeric>
 #include <random>
+#include <utility>
 
 #include "src/tetgen/delaunay_first.h"
+#include "src/tetgen/delaunay_match.h"
 #include "src/tetgen/tetgen.h"
 
 namespace overtet {
@@ -14,6 +16,10 @@ constexpr int kAttempts = 6;
 
 // From so many facets on, Delaunay tets first are faster.
 constexpr Eigen::Index kLarge = 10'000;
+
+// From so many on, it pays to begin with those before all points are known: tets in another order are another
+// problem for TetGen where it works in parts, and for the quality pass.
+constexpr Eigen::Index kWorthAStart = 40'000;
 
 // Sine of the smallest angle of a face that TetGen still refines around in useful time: 0.006 degrees.
 constexpr double kNeedle = 1e-4;
@@ -94,14 +100,14 @@ Result<TetgenResult> tetrahedralize_shuffled(const Plc& plc, const TetgenOptions
 }
 
 Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptions& options,
-                                               const RunContext& context) {
+                                               const RunContext& context, DelaunayBuilder begun) {
   TetgenOptions plain = options;
   plain.quality = false;
   const bool delaunay =
       plc.holes.rows() == 0 && options.keep_facets && options.accept_split && !options.fill_convex_hull;
   const bool large = delaunay && plc.F.rows() >= kLarge;
-  Result<TetgenResult> first =
-      large ? tetrahedralize_delaunay_first(plc, context) : tetrahedralize(plc, plain, context);
+  Result<TetgenResult> first = large ? tetrahedralize_delaunay_first(plc, context, {}, std::move(begun))
+                                     : tetrahedralize(plc, plain, context);
   if (large && !settled(first)) first = tetrahedralize(plc, plain, context);
   if (settled(first)) {
     const bool crowded = first.ok() && static_cast<double>(first.value().T.rows()) >
@@ -120,6 +126,15 @@ Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptio
         settled(again))
       return again;
   return first;
+}
+
+DelaunayBuilder begin_delaunay(const VertexMatrix& V, Eigen::Index facets, const RunContext& context) {
+  DelaunayBuilder builder;
+  const Index n = static_cast<Index>(V.rows());
+  if (facets < kWorthAStart || context.no_room_for(static_cast<std::size_t>(n) * kDelaunayBytesPerPoint))
+    return builder;
+  builder.insert(V.data(), n, [&] { return context.stop().has_value(); });
+  return builder;
 }
 
 }  // namespace overtet

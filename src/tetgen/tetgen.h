@@ -8,6 +8,7 @@
 #include <array>
 #include <vector>
 
+#include "kernels/delaunay/delaunay.h"
 #include "overtet/result.h"
 #include "overtet/run_context.h"
 #include "overtet/types.h"
@@ -71,7 +72,12 @@ Result<TetgenResult> tetrahedralize_shuffled(const Plc& plc, const TetgenOptions
 // All means in turn. First without points inside, whatever options.quality says: that is fastest, but leaves
 // flat tets where many points lie on a sphere; then with them, if options.quality allows it. Large inputs
 // start from Delaunay tets (delaunay_first.h), and so do, at last, those where TetGen fails in every order.
+// begun: from begin_delaunay() with the complex's first points, to the last bit.
 Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptions& options,
-                                               const RunContext& context);
+                                               const RunContext& context, DelaunayBuilder begun = {});
+
+// The serial part of large inputs, for while their last points are still being computed. V: the first ones,
+// #V x 3; facets: how many there will be at least. Without points where that would not help or cannot be.
+DelaunayBuilder begin_delaunay(const VertexMatrix& V, Eigen::Index facets, const RunContext& context);
 
 }  // namespace overtet

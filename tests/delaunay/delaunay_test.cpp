@@ -92,6 +92,42 @@ TEST(Delaunay, FlatInputAndStopGiveNothing) {
   EXPECT_TRUE(delaunay(V.data(), 50, [] { return false; }).tet.empty());
 }
 
+// In lots: the same tets, whatever the lots are, also where points lie on common spheres.
+TEST(Delaunay, LotsMakeNoDifference) {
+  const auto stop = [] { return false; };
+  const auto set_of = [](const TetArrays& mesh) {
+    std::set<Tet> tets;
+    for (Tet t : mesh.tet) std::sort(t.begin(), t.end()), tets.insert(t);
+    return tets;
+  };
+  for (const VertexMatrix& V : {random_points(200, 9), grid(5)}) {
+    const Index n = static_cast<Index>(V.rows());
+    const std::set<Tet> whole = set_of(delaunay(V.data(), n, stop));
+    for (const Index first : {1, 3, 70, n}) {
+      DelaunayBuilder builder;
+      EXPECT_EQ(builder.points(), 0);
+      EXPECT_TRUE(builder.tets().tet.empty());
+      ASSERT_TRUE(builder.insert(V.data(), first, stop));
+      EXPECT_EQ(builder.points(), first);
+      ASSERT_TRUE(builder.insert(V.data() + 3 * first, n - first, stop));
+      const TetArrays mesh = builder.tets();
+      expect_sound(V, mesh);
+      EXPECT_EQ(set_of(mesh), whole);
+    }
+  }
+}
+
+TEST(Delaunay, BuilderRefusesEqualPointsAndIsEmptyAfterwards) {
+  const VertexMatrix V = random_points(50, 2);
+  DelaunayBuilder builder;
+  ASSERT_TRUE(builder.insert(V.data(), 50, [] { return false; }));
+  EXPECT_FALSE(builder.insert(V.data() + 3 * 7, 1, [] { return false; }));
+  EXPECT_EQ(builder.points(), 0);
+  EXPECT_FALSE(builder.insert(V.data(), 50, [] { return true; }));
+  EXPECT_TRUE(builder.insert(V.data(), 50, [] { return false; }));
+  EXPECT_EQ(builder.points(), 50);
+}
+
 // Where apart() says so, no point of the triangle's inside lies in the tet.
 TEST(Apart, AgainstPointsOfTheTriangle) {
   std::mt19937 random(11);
