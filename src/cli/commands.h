@@ -24,7 +24,7 @@ struct CommonOptions {
 struct MeshCommand {
   std::string input, output, report, format, save_stages, resume;
   std::string on_infeasible = "reject", preset = "default";
-  double improve_degrees = 15;
+  double improve_degrees = 17;
   double max_move = 6;  // percent of the diagonal, of a repair
 };
 

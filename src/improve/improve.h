@@ -30,7 +30,7 @@ namespace overtet {
 struct ImproveOptions {
   // Circumradius over shortest edge that refinement aims at; 0: no refinement.
   double radius_edge = 2.0;
-  double target_degrees = 15;  // tets with a dihedral angle below this, or above 180 - this, are worked on
+  double target_degrees = 17;  // tets with a dihedral angle below this, or above 180 - this, are worked on
   int passes = 12;             // over the bad tets
   bool insert_vertices = true;
   double insert_below_degrees = 10;  // vertices are inserted for tets this bad only

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <random>
 #include <set>
 #include <utility>
 #include <vector>
@@ -20,10 +21,13 @@ using Eigen::Vector3d;
 
 constexpr std::int64_t kGrain = 4096;  // tets
 // So many of the worst tets, within a factor of the worst, are taken out of the mesh with what is around
-// them; so many layers are what is around a tet that is worked on.
+// them, so many layers.
 constexpr std::size_t kMostPlaces = 12;
 constexpr double kWithinWorst = 2;
-constexpr int kRegionLayers = 4, kPatchLayers = 2;
+constexpr int kRegionLayers = 5;
+// All is done in two ways, with so many layers around a tet that is worked on, and the better end is kept.
+constexpr int kPatchLayers[] = {2, 4};
+constexpr int kWays = 2;
 // Vertices with more tets than this do not spread a layer.
 constexpr int kLargestStar = 80;
 // A patch is done with when all of its tets are better than its worst tet was by this factor; it has got
@@ -36,9 +40,20 @@ constexpr double kMayFallTo = 0.2;
 constexpr std::int64_t kDear = 40, kTetsPerDear = 2000;
 constexpr int kDearPerChange = 3;
 constexpr int kMostMends = 60;  // after one change
-constexpr int kMostLifts = 60, kMostFailures = 2;
+// Of successes, in the same way; and how many tets of a region may resist.
+constexpr std::int64_t kLifts = 60, kTetsPerLift = 150, kMostLifts = 500;
+constexpr int kMostFailures = 3;
 // Changes that are tried at the same time.
 constexpr std::int64_t kTrials = 8;
+// Where no change helps: walks of several chosen at random, each mended; for one tet, and their changes in
+// all, at first and for each so many tets of the mesh, but at most.
+constexpr std::int64_t kWalks = 120, kSteps = 300, kTetsPerStep = 300, kMostSteps = 2000;
+constexpr int kWalkLength = 4, kDraws = 8;
+// A walk mends all tets that are not better than the worst one was by this factor.
+constexpr double kWalkGoal = 2;
+
+// Equal qualities, computed from other orders of the corners.
+constexpr double kSame = 1 - 1e-9;
 
 constexpr int kEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
@@ -80,10 +95,10 @@ std::vector<double> low_qualities(const LocalOperations& work, double goal) {
   return low;
 }
 
-// The first that differs is better by kBetter.
-bool better(const std::vector<double>& now, const std::vector<double>& before) {
+// The first that differs is better by this factor.
+bool better(const std::vector<double>& now, const std::vector<double>& before, double factor = kBetter) {
   for (std::size_t i = 0; i < before.size(); ++i) {
-    if (i == now.size() || now[i] > before[i] * kBetter) return true;
+    if (i == now.size() || now[i] > before[i] * factor) return true;
     if (now[i] < before[i]) return false;
   }
   return false;
@@ -97,7 +112,7 @@ struct Change {
 };
 
 // How far towards the middle of its neighbours the vertex of a star that is built anew goes.
-constexpr double kSteps[] = {0, 0.5, 1, 1.5};
+constexpr double kTowardsMiddle[] = {0, 0.5, 1, 1.5};
 
 std::vector<Change> changes_for(const LocalOperations& work, Index t) {
   using Kind = Change::Kind;
@@ -142,7 +157,7 @@ bool apply(LocalOperations& work, Index t, const Change& change, double enough) 
       std::array<Index, 3> face{c[i], -1, -1};
       for (int k = 0, n = 1; k < 4; ++k)
         if (k != i && k != j) face[n++] = c[k];
-      const Vector3d to = at(i) + kSteps[change.n] / (3.0 * static_cast<double>(star.size())) * sum;
+      const Vector3d to = at(i) + kTowardsMiddle[change.n] / (3.0 * static_cast<double>(star.size())) * sum;
       return work.rebuild_star(c[i], face, to, enough);
     }
   }
@@ -151,7 +166,10 @@ bool apply(LocalOperations& work, Index t, const Change& change, double enough) 
 
 // Makes the tets below the goal better, the worst first; those below `need` by dear means, too, which is
 // given up after a few in vain. Returns how many these were, at most most_dear.
-int mend(LocalOperations& work, double need, double goal, int most_dear) {
+struct Means {
+  bool refill, insert_around;  // the dearest ones are among them
+};
+int mend(LocalOperations& work, double need, double goal, int most_dear, const Means& means) {
   const TetComplex& mesh = work.mesh();
   std::vector<char> stuck(mesh.tet_capacity(), 0);
   work.be_thorough(true);
@@ -193,10 +211,11 @@ int mend(LocalOperations& work, double need, double goal, int most_dear) {
       if (!done && (work.collapse(c[i], c[j]) || work.collapse(c[j], c[i]))) done = changed();
     if (!done && work.quality(t) < need) {
       if (dear == most_dear) break;
-      if (work.reconnect(t)) done = changed();
+      if (means.refill && work.reconnect(t)) done = changed();
       for (const auto& [i, j] : kEdges)
         if (!done && work.insert_at_edge(t, c[i], c[j])) done = changed();
       if (!done && work.insert_at_tet(t)) done = changed();
+      if (!done && means.insert_around && work.insert_around(t)) done = changed();
       if (!done) ++dear;
     }
     if (!done && !moved) stuck[t] = 1;
@@ -204,14 +223,70 @@ int mend(LocalOperations& work, double need, double goal, int most_dear) {
   return dear;
 }
 
+struct Trial {
+  MeshPart part;
+  bool better = false;
+  int spent = 0;
+};
+
+// All threads try trials; what counts is the first one that helps, as if they were tried one by one: start
+// becomes its part then. False where none helps or no effort is left.
+template <class Try>
+bool first_that_helps(MeshPart& start, std::int64_t count, std::int64_t& effort_left, Try&& attempt) {
+  for (std::int64_t first = 0; first < count && effort_left > 0; first += kTrials) {
+    std::array<Trial, kTrials> trials;
+    std::atomic<std::int64_t> helps = kTrials;
+    const std::int64_t here = std::min(kTrials, count - first);
+    parallel_tasks(here, [&](std::int64_t i) {
+      if (helps < i) return;
+      trials[i].part = start;
+      attempt(first + i, trials[i]);
+      if (!trials[i].better) return;
+      for (std::int64_t known = helps; i < known && !helps.compare_exchange_weak(known, i);) {
+      }
+    });
+    for (std::int64_t i = 0; i < here && effort_left > 0; ++i) {
+      effort_left -= trials[i].spent;
+      if (!trials[i].better) continue;
+      start = std::move(trials[i].part);
+      return true;
+    }
+  }
+  return false;
+}
+
+// What is left of the attempts that may be made.
+struct Effort {
+  std::int64_t dear;   // by dear means
+  std::int64_t steps;  // of walks
+  std::int64_t lifts;
+};
+
+// The worst tet, or any other one below the goal, or a neighbour; -1 where there is none.
+Index some_bad(const LocalOperations& work, double goal, std::mt19937& random) {
+  const TetComplex& mesh = work.mesh();
+  std::vector<std::pair<double, Index>> low;
+  for (Index t = 0; t < mesh.tet_capacity(); ++t) {
+    if (!mesh.alive(t) || !(work.quality(t) < goal)) continue;
+    const auto& c = mesh.tet(t);
+    if (std::none_of(c.begin(), c.end(), [&](Index v) { return work.shared(v); }))
+      low.emplace_back(work.quality(t), t);
+  }
+  if (low.empty()) return -1;
+  const auto worst = std::min_element(low.begin(), low.end());
+  const Index t = random() % 2 ? worst->second : low[random() % low.size()].second;
+  const Index u = mesh.neighbour(t, static_cast<int>(random() % 4));
+  return u >= 0 && random() % 3 == 0 ? u : t;
+}
+
 // One tet of a part of the mesh. kind: of the part's first vertices, 1: shared with other parts, 2: pinched
-// (parts.h). dear: how many attempts by dear means are left.
-bool lift(TetMesh& region, std::span<const char> kind, Index t, double target, std::int64_t& dear) {
+// (parts.h).
+bool lift(TetMesh& region, std::span<const char> kind, Index t, double target, int layers, Effort& left) {
   const double worst = quality(region, t), goal = std::min(target, kGoal * worst);
   const Corners corners = corners_of(region, t);
   std::vector<char> near(static_cast<std::size_t>(region.V.rows()), 0);
   for (const Index v : corners) near[v] = 1;
-  const std::vector<int> part_of = layers_around(region, near, kPatchLayers);
+  const std::vector<int> part_of = layers_around(region, near, layers);
   std::vector<MeshPart> patch = take_parts(region, part_of, 1);
   MeshPart& start = patch[0];
   for (Index v = 0; v < static_cast<Index>(start.vertex.size()); ++v) {
@@ -236,63 +311,93 @@ bool lift(TetMesh& region, std::span<const char> kind, Index t, double target, s
     before = low_qualities(work, goal);
     changes = changes_for(work, at);
   }
-  // All threads try changes; what counts is the first one that helps, as if they were tried one by one.
-  struct Trial {
-    MeshPart part;
-    bool better = false;
-    int dear = 0;
+  const auto one_change = [&](std::int64_t i, Trial& trial) {
+    LocalOperations work(trial.part.complex);
+    trial.part.mark_shared(work);
+    if (!apply(work, at, changes[i], kMayFallTo * worst)) return;
+    trial.spent = mend(work, kBetter * worst, goal, kDearPerChange, {true, true});
+    trial.better = better(low_qualities(work, goal), before);
   };
-  const auto count = static_cast<std::int64_t>(changes.size());
-  for (std::int64_t first = 0; first < count; first += kTrials) {
-    std::array<Trial, kTrials> trials;
-    std::atomic<std::int64_t> helps = kTrials;
-    parallel_tasks(std::min(kTrials, count - first), [&](std::int64_t i) {
-      if (helps < i) return;
-      Trial& trial = trials[i];
-      trial.part = start;
-      LocalOperations work(trial.part.complex);
-      trial.part.mark_shared(work);
-      if (!apply(work, at, changes[first + i], kMayFallTo * worst)) return;
-      trial.dear = mend(work, kBetter * worst, goal, kDearPerChange);
-      trial.better = better(low_qualities(work, goal), before);
-      if (!trial.better) return;
-      for (std::int64_t known = helps; i < known && !helps.compare_exchange_weak(known, i);) {
-      }
-    });
-    for (Trial& trial : trials) {
-      if (dear <= 0) return false;
-      dear -= trial.dear;
-      if (!trial.better) continue;
-      start = std::move(trial.part);
-      put_parts(region, part_of, patch);
-      return true;
+  const auto walk = [&](std::int64_t i, Trial& trial) {
+    LocalOperations work(trial.part.complex);
+    trial.part.mark_shared(work);
+    std::mt19937 random(static_cast<unsigned>(i));
+    for (int step = 0; step < kWalkLength && !trial.better; ++step) {
+      ++trial.spent;
+      const Index s = some_bad(work, goal, random);
+      if (s < 0) return;
+      const std::vector<Change> all = changes_for(work, s);
+      int draws = 0;
+      while (!apply(work, s, all[1 + random() % (all.size() - 1)], kMayFallTo * worst))
+        if (++draws == kDraws) break;
+      if (draws == kDraws) continue;
+      mend(work, kBetter * worst, std::min(target, kWalkGoal * worst), kDearPerChange, {false, i % 3 == 2});
+      const std::vector<double> low = low_qualities(work, goal);
+      trial.better = better(low, before);
+      if (!low.empty() && low.front() < kMayFallTo * worst) return;
     }
-  }
-  return false;
+  };
+  if (!first_that_helps(start, static_cast<std::int64_t>(changes.size()), left.dear, one_change) &&
+      !first_that_helps(start, kWalks, left.steps, walk))
+    return false;
+  put_parts(region, part_of, patch);
+  return true;
 }
 
-}  // namespace
-
-int lift_worst(TetMesh& mesh, double target, const RunContext& context) {
-  using Rated = std::pair<double, Index>;
-  const auto tets_below = [&](double sine) {
-    return parallel_reduce(
-        mesh.T.rows(), kGrain, std::vector<Rated>{},
-        [&](std::int64_t begin, std::int64_t end) {
-          std::vector<Rated> bad;
-          for (Index t = static_cast<Index>(begin); t < end; ++t)
-            if (const double q = quality(mesh, t); q < sine) bad.emplace_back(q, t);
-          return bad;
-        },
-        [](std::vector<Rated> x, const std::vector<Rated>& y) {
-          x.insert(x.end(), y.begin(), y.end());
-          return x;
-        });
+// The worst tet below `below` again and again. See lift() for kind; resisted: becomes the quality of a tet
+// that did not get better, where that is less.
+int lift_region(TetMesh& region, std::span<const char> kind, double below, double target, int layers,
+                Effort& left, double& resisted, const RunContext& context) {
+  const auto at_rim = [&](const Corners& c) {
+    return std::any_of(c.begin(), c.end(),
+                       [&](Index v) { return v < static_cast<Index>(kind.size()) && kind[v] != 0; });
   };
-  std::vector<Rated> bad = tets_below(target);
-  if (bad.empty() || context.stop()) return 0;
+  std::set<Corners> tried;
+  int lifts = 0;
+  while (static_cast<int>(tried.size()) < kMostFailures && left.lifts > 0 && left.steps > 0) {
+    if (context.stop()) break;
+    Index worst = -1;
+    double least = below;
+    for (Index t = 0; t < region.T.rows(); ++t)
+      if (const double q = quality(region, t); q < least) {
+        const Corners c = corners_of(region, t);
+        if (tried.count(c) || at_rim(c)) continue;
+        least = q;
+        worst = t;
+      }
+    if (worst < 0) break;
+    const Corners corners = corners_of(region, worst);
+    if (lift(region, kind, worst, target, layers, left)) {
+      ++lifts;
+      --left.lifts;
+    } else {
+      tried.insert(corners);
+      resisted = std::min(resisted, least);
+    }
+  }
+  return lifts;
+}
+
+// The worst tets' places. Returns how many times one got better; resisted: the quality of the worst tet that
+// did not, 1 where there is none.
+int lift_places(TetMesh& mesh, double target, Effort& left, double& resisted, const RunContext& context) {
+  using Rated = std::pair<double, Index>;
+  std::vector<Rated> bad = parallel_reduce(
+      mesh.T.rows(), kGrain, std::vector<Rated>{},
+      [&](std::int64_t begin, std::int64_t end) {
+        std::vector<Rated> here;
+        for (Index t = static_cast<Index>(begin); t < end; ++t)
+          if (const double q = quality(mesh, t); q < target) here.emplace_back(q, t);
+        return here;
+      },
+      [](std::vector<Rated> x, const std::vector<Rated>& y) {
+        x.insert(x.end(), y.begin(), y.end());
+        return x;
+      });
+  if (bad.empty()) return 0;
   const std::size_t places = std::min(kMostPlaces, bad.size());
   std::partial_sort(bad.begin(), bad.begin() + static_cast<std::ptrdiff_t>(places), bad.end());
+  if (bad.front().first > kSame * resisted) return 0;
   const double below = std::min(target, kWithinWorst * bad.front().first);
   std::vector<char> near(static_cast<std::size_t>(mesh.V.rows()), 0);
   for (std::size_t i = 0; i < places && bad[i].first < below; ++i)
@@ -303,32 +408,51 @@ int lift_worst(TetMesh& mesh, double target, const RunContext& context) {
   for (const Index v : parts[0].shared) kind[v] = 1;
   for (const Index v : parts[0].pinched) kind[v] = 2;
   // All vertices that it has now keep their numbers.
-  TetMesh region = parts[0].complex.to_mesh(static_cast<Index>(kind.size()));
+  const TetMesh region = parts[0].complex.to_mesh(static_cast<Index>(kind.size()));
+  const auto low = [&](const TetMesh& m) {
+    std::vector<double> qualities;
+    for (Index t = 0; t < m.T.rows(); ++t)
+      if (const double q = quality(m, t); q < below) qualities.push_back(q);
+    std::sort(qualities.begin(), qualities.end());
+    return qualities;
+  };
 
-  std::set<Corners> resisted;
-  std::int64_t dear = kDear + mesh.T.rows() / kTetsPerDear;
-  int lifts = 0;
-  for (int failures = 0; failures < kMostFailures && lifts < kMostLifts && dear > 0;) {
-    if (context.stop()) break;
-    Index worst = -1;
-    double least = below;
-    for (Index t = 0; t < region.T.rows(); ++t)
-      if (const double q = quality(region, t); q < least && !resisted.count(corners_of(region, t))) {
-        least = q;
-        worst = t;
-      }
-    if (worst < 0) break;
-    const Corners corners = corners_of(region, worst);
-    if (lift(region, kind, worst, target, dear)) {
-      ++lifts;
-    } else {
-      resisted.insert(corners);
-      ++failures;
-    }
-  }
-  if (lifts == 0) return 0;
-  parts[0].complex = TetComplex(region.V, region.T);
+  struct Way {
+    TetMesh region;
+    Effort left;
+    double resisted;
+    int lifts = 0;
+    std::vector<double> low;
+  };
+  std::array<Way, kWays> ways;
+  parallel_tasks(kWays, [&](std::int64_t i) {
+    Way& way = ways[i];
+    way.region = region;
+    way.left = left;
+    way.resisted = resisted;
+    way.lifts =
+        lift_region(way.region, kind, below, target, kPatchLayers[i], way.left, way.resisted, context);
+    way.low = low(way.region);
+  });
+  const Way& best = better(ways[1].low, ways[0].low, 1) ? ways[1] : ways[0];
+  left = best.left;
+  resisted = best.resisted;
+  if (best.lifts == 0) return 0;
+  parts[0].complex = TetComplex(best.region.V, best.region.T);
   put_parts(mesh, part_of, parts);
+  return best.lifts;
+}
+
+}  // namespace
+
+int lift_worst(TetMesh& mesh, double target, const RunContext& context) {
+  Effort left{kDear + mesh.T.rows() / kTetsPerDear,
+              std::min(kMostSteps, kSteps + mesh.T.rows() / kTetsPerStep),
+              std::min(kMostLifts, kLifts + mesh.T.rows() / kTetsPerLift)};
+  int lifts = 0;
+  double resisted = 1;
+  for (int here = 1; here > 0 && left.lifts > 0 && left.steps > 0 && !context.stop(); lifts += here)
+    here = lift_places(mesh, target, left, resisted, context);
   return lifts;
 }
 

@@ -28,7 +28,7 @@ struct PipelineOptions {
   Preset preset = Preset::standard;
   OnInfeasible on_infeasible = OnInfeasible::reject;
   double max_repair_move = 0.06;  // of a vertex, relative to the diagonal of the bounding box
-  double improve_degrees = 15;  // smallest dihedral angle that the quality pass aims at; 0: no pass
+  double improve_degrees = 17;  // smallest dihedral angle that the quality pass aims at; 0: no pass
   std::string save_stages;      // folder for the intermediate states; empty: none
   std::string resume;           // folder to take them from; empty: none
 

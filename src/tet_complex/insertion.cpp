@@ -17,7 +17,10 @@ using Eigen::Vector3d;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kMostGrowth = 10;
+// insert_near(): a cavity for less first, so that the vertex finds its place.
+constexpr double kPartsOfNeed[] = {0.3, 0.7, 1};
 constexpr std::size_t kLargestCavity = 60;
+constexpr int kLayersAround = 2;  // where insert_around() starts: tets so many faces away
 constexpr std::size_t kLargestDelaunayCavity = 20000;
 // A direction that passes an edge in a smaller angle (radians, about) may belong to either side.
 constexpr double kNearAnEdge = 1e-10;
@@ -148,6 +151,61 @@ bool LocalOperations::insert(Tets& cavity, const Vector3d& start, double gain) {
   q = optimise(x, quality_at(x, 0), 6);
   if (!(q > old_worst * gain)) return false;
   return fill(cavity, x);
+}
+
+bool LocalOperations::insert_near(Index t, const Vector3d& start, double gain) {
+  Vector3d x = start;
+  const auto quality_of_face = [&](const Face& f) {
+    return min_dihedral_sine(mesh_.position(f[0]), mesh_.position(f[1]), mesh_.position(f[2]), x);
+  };
+  double q = 0;
+  for (const double part : kPartsOfNeed) {
+    const bool last = part == 1;
+    const double need = part * gain * quality_[t];
+    cavity_ = {t};
+    const std::uint32_t inside = ++tet_stamp_;
+    tet_mark_[t] = inside;
+    for (std::size_t i = 0; i < cavity_.size(); ++i)
+      for (int k = 0; k < 4; ++k) {
+        const Index u = mesh_.neighbour(cavity_[i], k);
+        if (u >= 0 && tet_mark_[u] == inside) continue;
+        if (quality_of_face(inner_face(cavity_[i], k)) > need) continue;
+        if (u < 0 && last) return false;
+        if (u < 0) continue;
+        if (cavity_.size() == kLargestCavity) return false;
+        tet_mark_[u] = inside;
+        cavity_.push_back(u);
+      }
+    if (!hull_of(cavity_, hull_)) return false;
+    faces_ = hull_;
+    load_bases();
+    q = quality_at(x, 0);
+    if (!(q > 0)) return false;
+    q = optimise(x, q, 4);
+  }
+  return q > gain * worst(cavity_) && fill(cavity_, x);
+}
+
+bool LocalOperations::insert_around(Index t, double gain) {
+  const auto middle = [&](Index u) -> Vector3d {
+    const auto& c = mesh_.tet(u);
+    return (mesh_.position(c[0]) + mesh_.position(c[1]) + mesh_.position(c[2]) + mesh_.position(c[3])) / 4;
+  };
+  const Vector3d here = middle(t);
+  Tets near{t};
+  for (int layer = 0; layer < kLayersAround; ++layer)
+    for (std::size_t i = 0, n = near.size(); i < n; ++i)
+      for (int k = 0; k < 4; ++k)
+        if (const Index u = mesh_.neighbour(near[i], k);
+            u >= 0 && std::find(near.begin(), near.end(), u) == near.end())
+          near.push_back(u);
+  std::vector<Vector3d> starts;
+  for (const Index u : near) {
+    starts.push_back(middle(u));
+    starts.push_back((here + middle(u)) / 2);
+  }
+  return std::any_of(starts.begin(), starts.end(),
+                     [&](const Vector3d& x) { return insert_near(t, x, gain); });
 }
 
 bool LocalOperations::seen_once(const Vector3d& x) const {

@@ -76,6 +76,10 @@ class LocalOperations {
   // better by the factor `gain`.
   bool insert_at_edge(Index t, Index a, Index b, double gain = 1.001);
   bool insert_at_tet(Index t, double gain = 1.001);
+  // The same with a cavity that is found the other way round: from where the vertex is to be (start), all
+  // around t that makes no better tet with it goes. Around: starts in and towards the tets around t.
+  bool insert_near(Index t, const Eigen::Vector3d& start, double gain = 1.001);
+  bool insert_around(Index t, double gain = 1.001);
   // The best tets (polyhedron.h) for the star of a free corner of t, which may be left out of them, or else
   // for what lies around t. Every new tet must be better than t was by the factor `gain`.
   bool reconnect(Index t, double gain = 1.02);

@@ -110,9 +110,9 @@ TEST(Improve, ThinLayersUnderTheBoundaryGrow) {
 // What the passes leave as their worst gets better, also when the mesh passes through itself.
 TEST(Lift, TheWorstTetsGetBetter) {
   int lifts = 0;
-  for (const unsigned seed : {1u, 2u, 3u}) {
+  for (const unsigned seed : {1u, 2u}) {
     SCOPED_TRACE(seed);
-    TetMesh mesh = test::bent_grid(5, 500, 0.2, seed);
+    TetMesh mesh = test::bent_grid(4, 300, 0.2, seed);
     const Index boundary_vertices = static_cast<Index>(mesh.V.rows());
     mesh.surface_vertices = boundary_vertices;  // all keep their numbers
     const VertexMatrix V = mesh.V;
@@ -128,7 +128,7 @@ TEST(Lift, TheWorstTetsGetBetter) {
     if (here > 0) {
       EXPECT_GT(dihedral_statistics(mesh.V, mesh.T).min, before);
     }
-    for (const int threads : {1, 2, 3}) {
+    for (const int threads : {1, 3}) {
       const ScopedThreads scope(threads);
       TetMesh copy = again;
       EXPECT_EQ(here, lift_worst(copy, 0.5, {}));
@@ -137,7 +137,38 @@ TEST(Lift, TheWorstTetsGetBetter) {
     }
     EXPECT_EQ(0, lift_worst(mesh, 1e-9, {}));  // nothing is that bad
   }
-  EXPECT_GT(lifts, 5);
+  EXPECT_GT(lifts, 4);
+}
+
+// More bad places than are taken at once, most of them tets that no single operation improves any more.
+TEST(Lift, ManyPlacesOneAfterTheOther) {
+  TetMesh mesh = filled(test::torus_surface(60, 24, 2, .7));
+  ASSERT_GT(squeeze(mesh, 1e-2, 1, 3), 100);
+  const auto boundary = boundary_of(mesh);
+  {
+    TetComplex c(mesh.V, mesh.T);
+    LocalOperations work(c);
+    improve_passes(work, {}, {}, false, 1e9, {});
+    c.compact(mesh.surface_vertices);
+    mesh = c.to_mesh(mesh.surface_vertices);
+  }
+  const double before = dihedral_statistics(mesh.V, mesh.T).min;
+  // In single degrees, the n-th worst tet.
+  const auto nth = [&](std::size_t n) {
+    std::vector<double> q;
+    for (Index t = 0; t < mesh.T.rows(); ++t)
+      q.push_back(min_dihedral_sine(mesh.V.row(mesh.T(t, 0)), mesh.V.row(mesh.T(t, 1)),
+                                    mesh.V.row(mesh.T(t, 2)), mesh.V.row(mesh.T(t, 3))));
+    std::nth_element(q.begin(), q.begin() + static_cast<std::ptrdiff_t>(n), q.end());
+    return q[n];
+  };
+  const double target = nth(40);  // so that 40 are worse
+  const int lifts = lift_worst(mesh, target, {});
+  expect_valid(mesh);
+  EXPECT_EQ(boundary, boundary_of(mesh));
+  EXPECT_GT(lifts, 12);
+  EXPECT_GT(dihedral_statistics(mesh.V, mesh.T).min, before);
+  EXPECT_GT(nth(12), 0.99 * target);
 }
 
 TEST(Refine, BadRadiiBecomeFewAndTheMeshStaysValid) {

@@ -42,7 +42,7 @@ TEST(LocalOperations, RandomOperationsKeepEverything) {
     ASSERT_FALSE(HasFatalFailure());
     const auto boundary = test::boundary_faces(c);
     LocalOperations work(c);
-    std::array<int, 12> done{};
+    std::array<int, 13> done{};
     for (int step = 0; step < 6000; ++step) {
       const Index t = random_tet(c, random);
       const auto v = c.tet(t);
@@ -50,7 +50,7 @@ TEST(LocalOperations, RandomOperationsKeepEverything) {
       const auto p = [&](int k) { return c.position(v[k]); };
       const double s = 0.2 + 0.6 * uniform(random);
       bool ok = false;
-      const int kind = static_cast<int>(random() % 12);
+      const int kind = static_cast<int>(random() % 13);
       const double before = step % 16 == 0 ? worst_tet(c) : 0;
       switch (kind) {
         case 0:
@@ -91,9 +91,13 @@ TEST(LocalOperations, RandomOperationsKeepEverything) {
           ok = work.rebuild_star(v[i], {v[i], v[j], v[(j + 1) % 4 == i ? (j + 2) % 4 : (j + 1) % 4]},
                                  p(i) + 0.1 * (p(j) - p(i)), uniform(random) < 0.2 ? 0 : 1e9);
           break;
+        case 12:
+          ok = uniform(random) < 0.5 ? work.insert_around(t)
+                                     : work.insert_near(t, (p(0) + p(1) + p(2) + p(3)) / 4);
+          break;
       }
       done[kind] += ok;
-      if (ok && kind > 2 && kind != 5 && kind < 10 && step % 16 == 0) {
+      if (ok && kind > 2 && kind != 5 && kind != 10 && kind != 11 && step % 16 == 0) {
         ASSERT_GE(worst_tet(c), before) << "operation " << kind;
       }
       if (step % 500 == 499) {
@@ -102,7 +106,7 @@ TEST(LocalOperations, RandomOperationsKeepEverything) {
         ASSERT_EQ(boundary, test::boundary_faces(c));
       }
     }
-    for (int kind = 0; kind < 12; ++kind) EXPECT_GT(done[kind], 0) << "operation " << kind;
+    for (int kind = 0; kind < 13; ++kind) EXPECT_GT(done[kind], 0) << "operation " << kind;
     for (Index v = 0; v < static_cast<Index>(mesh.V.rows()); ++v)
       if (work.fixed(v)) {
         EXPECT_EQ(Eigen::Vector3d(mesh.V.row(v)), c.position(v));
