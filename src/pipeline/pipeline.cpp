@@ -362,15 +362,15 @@ Status Run::finish(TetMesh mesh) {
     good = check(result);
   }
   if (!good) return good;
-  report_.quality = tet_quality(result);
-  report_.result_hash = hash_of(result);
+  parallel_invoke([&] { report_.quality = tet_quality(result); },
+                  [&] { report_.result_hash = hash_of(result); });
   result_.mesh = std::move(result);
   return success();
 }
 
 Status Run::go() {
   if (Status s = diagnose(); !s) return s;
-  const std::string hash = hash_of(input_);
+  const std::string hash = options_.resume.empty() && options_.save_stages.empty() ? "" : hash_of(input_);
   if (!options_.resume.empty()) {
     Result<StageFiles> files = StageFiles::open(options_.resume, hash, box_);
     if (!files) return files.error();

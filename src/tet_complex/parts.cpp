@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <numeric>
 #include <tuple>
@@ -327,54 +328,79 @@ std::vector<MeshPart> take_parts(const TetMesh& mesh, std::span<const int> part_
 std::vector<Index> put_parts(TetMesh& mesh, std::span<const int> part_of,
                              const std::vector<MeshPart>& parts) {
   const Index old_vertices = static_cast<Index>(mesh.V.rows());
-  std::vector<char> used(old_vertices, 0);
+  std::vector<char> used(old_vertices, 0);  // vertices on cuts are marked from both sides
+  const auto use = [&](Index v) { std::atomic_ref(used[v]).store(1, std::memory_order_relaxed); };
   std::fill(used.begin(), used.begin() + mesh.surface_vertices, 1);
-  std::int64_t tets = 0, vertices = 0;
-  for (Index t = 0; t < mesh.T.rows(); ++t) {
-    if (part_of[t] >= 0) continue;
-    ++tets;
-    for (int k = 0; k < 4; ++k) used[mesh.T(t, k)] = 1;
-  }
+  const std::vector<Index> kept = parallel_collect<Index>(
+      mesh.T.rows(), kGrain, [&](std::int64_t begin, std::int64_t end, std::vector<Index>& list) {
+        for (Index t = static_cast<Index>(begin); t < end; ++t)
+          if (part_of[t] < 0) list.push_back(t);
+      });
+  const std::int64_t count = static_cast<std::int64_t>(parts.size());
+  parallel_for(static_cast<std::int64_t>(kept.size()), kGrain, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i)
+      for (int k = 0; k < 4; ++k) use(mesh.T(kept[i], k));
+  });
   std::vector<std::vector<Index>> number(parts.size());  // of the complexes' vertices in the result
-  for (std::size_t p = 0; p < parts.size(); ++p) {
+  std::vector<Index> new_vertices(parts.size(), 0);
+  parallel_for(count, 1, [&](std::int64_t p, std::int64_t) {
     const TetComplex& c = parts[p].complex;
-    tets += c.tet_count();
     number[p].assign(c.vertex_count(), -1);
     for (Index v = 0; v < c.vertex_count(); ++v) {
       if (c.tet_of(v) < 0) continue;
       number[p][v] = 0;
-      if (v < static_cast<Index>(parts[p].vertex.size())) used[parts[p].vertex[v]] = 1;
+      if (v < static_cast<Index>(parts[p].vertex.size()))
+        use(parts[p].vertex[v]);
+      else
+        ++new_vertices[p];
     }
-  }
+  });
   std::vector<Index> moved(old_vertices, -1);
+  Index vertices = 0;
   for (Index v = 0; v < old_vertices; ++v)
-    if (used[v]) moved[v] = static_cast<Index>(vertices++);
-  for (std::size_t p = 0; p < parts.size(); ++p)
-    for (std::size_t v = 0; v < number[p].size(); ++v)
-      if (number[p][v] >= 0)
-        number[p][v] =
-            v < parts[p].vertex.size() ? moved[parts[p].vertex[v]] : static_cast<Index>(vertices++);
-
+    if (used[v]) moved[v] = vertices++;
+  std::vector<Index> first_vertex;
+  std::vector<std::int64_t> first_row;
+  std::int64_t tets = static_cast<std::int64_t>(kept.size());
+  for (std::int64_t p = 0; p < count; ++p) {
+    first_vertex.push_back(vertices);
+    first_row.push_back(tets);
+    vertices += new_vertices[p];
+    tets += parts[p].complex.tet_count();
+  }
   VertexMatrix V(vertices, 3);
-  for (Index v = 0; v < old_vertices; ++v)
-    if (moved[v] >= 0) V.row(moved[v]) = mesh.V.row(v);
   TetMatrix T(tets, 4);
-  std::int64_t row = 0;
-  for (Index t = 0; t < mesh.T.rows(); ++t)
-    if (part_of[t] < 0) {
-      for (int k = 0; k < 4; ++k) T(row, k) = moved[mesh.T(t, k)];
-      ++row;
+  parallel_for(old_vertices, kGrain, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t v = begin; v < end; ++v)
+      if (moved[v] >= 0) V.row(moved[v]) = mesh.V.row(v);
+  });
+  parallel_for(static_cast<std::int64_t>(kept.size()), kGrain, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i)
+      for (int k = 0; k < 4; ++k) T(i, k) = moved[mesh.T(kept[i], k)];
+  });
+  parallel_for(count, 1, [&](std::int64_t p, std::int64_t) {
+    const MeshPart& part = parts[p];
+    const TetComplex& c = part.complex;
+    const Index own = static_cast<Index>(part.vertex.size());
+    std::vector<char> shared(c.vertex_count(), 0);  // several parts have them: below
+    for (const Index v : part.shared) shared[v] = 1;
+    Index next = first_vertex[p];
+    for (Index v = 0; v < c.vertex_count(); ++v) {
+      Index& to = number[p][v];
+      if (to < 0) continue;
+      to = v < own ? moved[part.vertex[v]] : next++;
+      if (!shared[v]) V.row(to) = c.position(v);
     }
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    const TetComplex& c = parts[p].complex;
-    for (Index v = 0; v < c.vertex_count(); ++v)
-      if (number[p][v] >= 0) V.row(number[p][v]) = c.position(v);
+    std::int64_t row = first_row[p];
     for (Index t = 0; t < c.tet_capacity(); ++t) {
       if (!c.alive(t)) continue;
       for (int k = 0; k < 4; ++k) T(row, k) = number[p][c.tet(t)[k]];
       ++row;
     }
-  }
+  });
+  for (std::int64_t p = 0; p < count; ++p)
+    for (const Index v : parts[p].shared)
+      if (number[p][v] >= 0) V.row(number[p][v]) = parts[p].complex.position(v);
   mesh.V = std::move(V);
   mesh.T = std::move(T);
   return moved;
