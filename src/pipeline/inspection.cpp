@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "kernels/parallel/parallel.h"
 #include "kernels/predicates/predicates.h"
 #include "src/surface/gluing.h"
 
@@ -22,16 +23,18 @@ std::string shortest(double x) {
 // arithmetic, of either sign; nobody can have meant it, and no tet of any use stands on them.
 std::vector<Index> flat_up_to_rounding(const Surface& s) {
   constexpr double kUlps = 4 * 0x1p-53;
-  std::vector<Index> flat;
-  for (Index f = 0; f < s.F.rows(); ++f) {
-    const Eigen::Vector3d a = s.V.row(s.F(f, 0)), b = s.V.row(s.F(f, 1)), c = s.V.row(s.F(f, 2));
-    const double longest =
-        std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
-    const double reach =
-        std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff()});
-    if ((b - a).cross(c - a).norm() <= kUlps * reach * longest) flat.push_back(f);
-  }
-  return flat;
+  constexpr std::int64_t kGrain = 4096;
+  return parallel_collect<Index>(
+      s.F.rows(), kGrain, [&](std::int64_t begin, std::int64_t end, std::vector<Index>& flat) {
+        for (Index f = static_cast<Index>(begin); f < end; ++f) {
+          const Eigen::Vector3d a = s.V.row(s.F(f, 0)), b = s.V.row(s.F(f, 1)), c = s.V.row(s.F(f, 2));
+          const double longest =
+              std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
+          const double reach =
+              std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff()});
+          if ((b - a).cross(c - a).norm() <= kUlps * reach * longest) flat.push_back(f);
+        }
+      });
 }
 
 // pre: the first face has an area.
@@ -85,14 +88,15 @@ std::optional<WitnessRecord> witness_of(const Surface& surface, const Diagnosis&
     add(d.fold_witness->vertex, d.fold_witness->B0);
     return record;
   }
-  if (d.stack) {
+  if (!d.stacks.empty()) {
+    const StackWitness& stack = d.stacks.front();
     record.rule = WitnessRecord::Rule::stack;
-    record.face = d.stack->face;
-    record.point = d.stack->exact;
-    record.vertices = d.stack->vertices;
-    record.moves = d.stack->moves;
-    record.winding = d.stack->winding;
-    record.positions.push_back(d.stack->point);
+    record.face = stack.face;
+    record.point = stack.exact;
+    record.vertices = stack.vertices;
+    record.moves = stack.moves;
+    record.winding = stack.winding;
+    record.positions.push_back(stack.point);
     return record;
   }
   if (!d.wound.odd_groups.empty()) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -163,17 +164,19 @@ class StackSearch {
 
 }  // namespace
 
-Result<std::optional<StackWitness>> find_stack_witness(const Surface& surface, const TriangleBvh& bvh,
-                                                       const std::vector<FacePair>& pairs,
+Result<std::vector<StackWitness>> find_stack_witnesses(const Surface& surface, const TriangleBvh& bvh,
+                                                       const std::vector<FacePair>& pairs, bool all,
                                                        const RunContext& context) {
   StackSearch search(surface, bvh);
+  std::vector<StackWitness> out;
   std::int64_t looked = 0;
   for (const FacePair& pair : pairs) {
     if (++looked % 64 == 0)
       if (auto stop = context.stop()) return *stop;
-    if (auto found = search.look_at(pair)) return found;
+    if (auto found = search.look_at(pair)) out.push_back(std::move(*found));
+    if (!all && !out.empty()) break;
   }
-  return std::optional<StackWitness>();
+  return out;
 }
 
 }  // namespace overtet
