@@ -6,9 +6,11 @@
 #include <limits>
 #include <utility>
 
+#include "src/forward_flow/forward_flow.h"
 #include "src/pipeline/stage_clock.h"
 #include "src/repair/lessening.h"
 #include "src/repair/repair.h"
+#include "src/surface/diagnose.h"
 #include "src/volume_map/volume_map.h"
 
 namespace overtet {
@@ -37,8 +39,9 @@ constexpr double kRoundsWork = 2e8;          // src/volume_map/volume_map.h; abo
 constexpr double kTetWork = 1000;            // a tet that is made or improved, in the same unit
 constexpr double kRoundsTime = 0.5;          // of the time that is left, where there is a limit
 
-// How far vertices may move on the way out.
-enum class Reach { gentle, far, allowed };
+// How far vertices may move on the way out. shrunk: far, and then less as long as nothing objects: another
+// place to start the way back from. flowed: as far as the flow of src/forward_flow goes.
+enum class Reach { gentle, far, shrunk, allowed, flowed };
 
 class Repairing {
  public:
@@ -50,8 +53,10 @@ class Repairing {
   Result<RepairedMesh> run(const std::optional<Eigen::Vector3d>& unglued) {
     bool looked_at = false;
     std::optional<RepairedMesh> nearest;  // of those that went too far
-    for (const Reach reach : {Reach::gentle, Reach::far, Reach::allowed}) {
-      Result<std::optional<RepairedMesh>> away = move_away(reach, unglued);
+    for (const Reach reach : {Reach::gentle, Reach::far, Reach::shrunk, Reach::flowed, Reach::allowed}) {
+      if (reach == Reach::shrunk && !found_surface_) continue;  // it finds what far finds
+      Result<std::optional<RepairedMesh>> away =
+          reach == Reach::flowed ? flow_away() : move_away(reach, unglued);
       if (!away) return away.error();
       if (!away.value()) continue;
       RepairedMesh best = std::move(*away.value());
@@ -83,10 +88,39 @@ class Repairing {
   }
 
  private:
+  static bool is_far(Reach reach) { return reach != Reach::gentle && reach != Reach::allowed; }
+
+  // The surroundings of what crosses are smoothed until nothing does: that has a mesh, whatever the input is,
+  // as long as it does not face inwards. None: nothing is left to cross before the flow comes to a rest.
+  Result<std::optional<RepairedMesh>> flow_away() {
+    Result<ForwardFlowResult> flowed = timed_stage(
+        "forward_flow", route_.records, route_.context,
+        [&](StageRecord& record) -> Result<ForwardFlowResult> {
+          std::vector<std::array<Index, 2>> pairs;
+          Result<Diagnosis> d = diagnose(route_.surface, {}, route_.context);
+          if (!d) return d.error();
+          for (const auto& [f, g] : d.value().pairs) pairs.push_back({f, g});
+          ForwardFlowOptions options;
+          options.keep_states = false;
+          Result<ForwardFlowResult> r = forward_flow(route_.surface, pairs, options, route_.context);
+          if (r) record.iterations = static_cast<std::int64_t>(r.value().steps.size());
+          return r;
+        });
+    if (!flowed) {
+      if (auto stop = route_.context.stop()) return *stop;
+      route_.context.note(LogLevel::info, "Repair: " + flowed.error().message);
+      return std::optional<RepairedMesh>();
+    }
+    MeshAttempt attempt = route_.mesh({std::move(flowed.value().V), route_.surface.F});
+    if (attempt.done) return std::optional(measured(std::move(attempt.mesh)));
+    if (!repairable(attempt.done.error())) return attempt.done.error();
+    return std::optional<RepairedMesh>();
+  }
+
   // None: no surface with a mesh was found.
   Result<std::optional<RepairedMesh>> move_away(Reach reach, std::optional<Eigen::Vector3d> unglued) {
     RepairOptions options;
-    options.max_relative_move = reach == Reach::far ? std::max(kFar, route_.max_move) : route_.max_move;
+    options.max_relative_move = is_far(reach) ? std::max(kFar, route_.max_move) : route_.max_move;
     options.only_gently = reach == Reach::gentle;
     if (reach == Reach::gentle) options.shrink_work = kShrinkWork;
     if (reach == Reach::far) options.max_shrink_rounds = 0;  // it leads the way back astray
@@ -114,6 +148,7 @@ class Repairing {
         return std::optional<RepairedMesh>();
       }
       if (fixed.value().moved.empty()) return std::optional<RepairedMesh>();
+      found_surface_ = true;
       options.earlier = fixed.value().memory;
       MeshAttempt attempt = route_.mesh(fixed.value().surface);
       if (attempt.done) return std::optional(measured(std::move(attempt.mesh)));
@@ -124,8 +159,8 @@ class Repairing {
   }
 
   Result<std::optional<RepairedMesh>> pull_back(const RepairedMesh& from, Reach reach) {
-    return pull(from, reach == Reach::far,
-                reach == Reach::far ? route_.max_move : std::numeric_limits<double>::infinity());
+    return pull(from, is_far(reach),
+                is_far(reach) ? route_.max_move : std::numeric_limits<double>::infinity());
   }
 
   // None: it cannot be pulled. slowly: measured: fewer rings and a force that grows faster cost a third and
@@ -302,7 +337,8 @@ class Repairing {
   const RepairRoute& route_;
   const Error& first_;
   double diagonal_ = 0;
-  double work_ = 0;  // of the rounds of moving less
+  bool found_surface_ = false;  // to which nothing objects
+  double work_ = 0;             // of the rounds of moving less
 };
 
 }  // namespace
