@@ -6,7 +6,6 @@
 #include <cmath>
 #include <map>
 
-#include "kernels/parallel/parallel.h"
 #include "kernels/predicates/predicates.h"
 #include "src/surface/gluing.h"
 
@@ -23,18 +22,16 @@ std::string shortest(double x) {
 // arithmetic, of either sign; nobody can have meant it, and no tet of any use stands on them.
 std::vector<Index> flat_up_to_rounding(const Surface& s) {
   constexpr double kUlps = 4 * 0x1p-53;
-  constexpr std::int64_t kGrain = 4096;
-  return parallel_collect<Index>(
-      s.F.rows(), kGrain, [&](std::int64_t begin, std::int64_t end, std::vector<Index>& flat) {
-        for (Index f = static_cast<Index>(begin); f < end; ++f) {
-          const Eigen::Vector3d a = s.V.row(s.F(f, 0)), b = s.V.row(s.F(f, 1)), c = s.V.row(s.F(f, 2));
-          const double longest =
-              std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
-          const double reach =
-              std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff()});
-          if ((b - a).cross(c - a).norm() <= kUlps * reach * longest) flat.push_back(f);
-        }
-      });
+  std::vector<Index> flat;
+  for (Index f = 0; f < s.F.rows(); ++f) {
+    const Eigen::Vector3d a = s.V.row(s.F(f, 0)), b = s.V.row(s.F(f, 1)), c = s.V.row(s.F(f, 2));
+    const double longest =
+        std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
+    const double reach =
+        std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff()});
+    if ((b - a).cross(c - a).norm() <= kUlps * reach * longest) flat.push_back(f);
+  }
+  return flat;
 }
 
 // pre: the first face has an area.
@@ -88,15 +85,14 @@ std::optional<WitnessRecord> witness_of(const Surface& surface, const Diagnosis&
     add(d.fold_witness->vertex, d.fold_witness->B0);
     return record;
   }
-  if (!d.stacks.empty()) {
-    const StackWitness& stack = d.stacks.front();
+  if (d.stack) {
     record.rule = WitnessRecord::Rule::stack;
-    record.face = stack.face;
-    record.point = stack.exact;
-    record.vertices = stack.vertices;
-    record.moves = stack.moves;
-    record.winding = stack.winding;
-    record.positions.push_back(stack.point);
+    record.face = d.stack->face;
+    record.point = d.stack->exact;
+    record.vertices = d.stack->vertices;
+    record.moves = d.stack->moves;
+    record.winding = d.stack->winding;
+    record.positions.push_back(d.stack->point);
     return record;
   }
   if (!d.wound.odd_groups.empty()) {

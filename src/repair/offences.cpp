@@ -106,7 +106,7 @@ Result<Findings> find_offences(const Surface& surface, const VertexRings& rings,
   }
   for (const Hinge& h : diagnosis.hinges)
     if (h.B0 && *h.B0 < 0) offences.push_back({h.vertex});
-  for (const StackWitness& stack : diagnosis.stacks) offences.push_back(stack.vertices);
+  if (diagnosis.stack) offences.push_back(diagnosis.stack->vertices);
   for (const auto& group : diagnosis.wound.odd_groups)
     for (const Index v : group) offences.push_back({v});
   for (const Index v : diagnosis.wound.crowded) offences.push_back({v});

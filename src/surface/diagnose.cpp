@@ -96,8 +96,8 @@ void decide(Diagnosis& d) {
                 " two faces lie flat on each other (or as good as), with no room for a tet between them.";
     return;
   }
-  if (!d.stacks.empty()) {
-    const StackWitness& w = d.stacks.front();
+  if (d.stack) {
+    const StackWitness& w = *d.stack;
     d.verdict = Verdict::obstructed;
     d.message = "No positive mesh exists: at (" + number(w.point[0]) + ", " + number(w.point[1]) + ", " +
                 number(w.point[2]) + ") face " + std::to_string(w.face) +
@@ -146,7 +146,7 @@ void advise(Diagnosis& d) {
   if (d.wound.forbidden())
     say("The faces at these vertices cross each other, and no edge there can take the extra turn. Smooth the "
         "one-ring until its faces stop crossing, or split its edges where other faces cross them.");
-  if (!d.stacks.empty())
+  if (d.stack)
     say("Move the faces apart that lie on each other there; where a part was pressed flat, its folds have no "
         "thickness.");
   if (d.verdict == Verdict::feasible && !d.hinges.empty())
@@ -238,11 +238,11 @@ Result<Diagnosis> diagnose(const Surface& surface, const DiagnoseOptions& option
     d.pierced_edges = find_pierced_edges(surface, topology, d.pairs);
     const bool open = !d.winding.witness && !d.vertex_witness && !d.fold_witness;
     if (open) {
-      auto stacks = find_stack_witnesses(surface, *bvh, d.pairs, options.full_winding_range, context);
-      if (!stacks.ok()) return stacks.error();
-      d.stacks = std::move(stacks).value();
+      auto stack = find_stack_witness(surface, *bvh, d.pairs, context);
+      if (!stack.ok()) return stack.error();
+      d.stack = std::move(stack).value();
     }
-    if (options.wound_edges && open && d.stacks.empty() && !d.hinges.empty()) {
+    if (options.wound_edges && open && !d.stack && !d.hinges.empty()) {
       auto wound = assign_wound_edges(surface, topology, *bvh, d.hinges, d.pierced_edges, context);
       if (!wound.ok()) return wound.error();
       d.wound = std::move(wound).value();

@@ -20,8 +20,7 @@
 namespace overtet {
 
 struct DiagnoseOptions {
-  // The whole winding range even when a witness has been found early, and all stacks. `inspect` wants them,
-  // `mesh` need not.
+  // The whole winding range even when a witness has been found early. `inspect` wants it, `mesh` need not.
   bool full_winding_range = true;
   // The wound edges are looked for only where nothing else forbids a mesh.
   bool wound_edges = true;
@@ -35,7 +34,7 @@ enum class Verdict {
   infeasible,  // no mesh exists: a point of negative winding, or a vertex with B0 < 0
   obstructed   // no mesh exists: hinges that cannot be paired (wound.odd_groups), whose edges cannot take the
                // turns (wound.crowded) or that no tets can fill (wound.unfillable), B0 < 0 at a fold, or
-               // coplanar faces that lie on each other as they must not (stacks)
+               // coplanar faces that lie on each other as they must not (stack)
 };
 const char* verdict_name(Verdict verdict);
 
@@ -65,7 +64,7 @@ struct Diagnosis {
   // A vertex with B0 < 0 where doubles cannot tell a dihedral of 0 from 2 pi. As much of a proof, but only
   // for who computes exactly.
   std::optional<VertexWitness> fold_witness;
-  std::vector<StackWitness> stacks;  // looked for where nothing above forbids a mesh; all or the first
+  std::optional<StackWitness> stack;  // looked for where nothing above forbids a mesh
   WoundEdges wound;
   std::vector<std::string> advice;  // sentences for a person
   DiagnosisTimes times;

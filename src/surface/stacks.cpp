@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <optional>
 #include <set>
 #include <utility>
 
@@ -164,19 +163,17 @@ class StackSearch {
 
 }  // namespace
 
-Result<std::vector<StackWitness>> find_stack_witnesses(const Surface& surface, const TriangleBvh& bvh,
-                                                       const std::vector<FacePair>& pairs, bool all,
+Result<std::optional<StackWitness>> find_stack_witness(const Surface& surface, const TriangleBvh& bvh,
+                                                       const std::vector<FacePair>& pairs,
                                                        const RunContext& context) {
   StackSearch search(surface, bvh);
-  std::vector<StackWitness> out;
   std::int64_t looked = 0;
   for (const FacePair& pair : pairs) {
     if (++looked % 64 == 0)
       if (auto stop = context.stop()) return *stop;
-    if (auto found = search.look_at(pair)) out.push_back(std::move(*found));
-    if (!all && !out.empty()) break;
+    if (auto found = search.look_at(pair)) return found;
   }
-  return out;
+  return std::optional<StackWitness>();
 }
 
 }  // namespace overtet

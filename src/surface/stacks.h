@@ -10,6 +10,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,11 +30,11 @@ struct StackWitness {
   int winding = 0;                   // < 0, between the faces after the moves
 };
 
-// Looks at one or a few points of every pair of coplanar faces that overlap, or until one is found; none
-// found is no proof. Each set of faces is named once. pairs: all intersecting pairs of the surface, sorted.
+// Looks at one or a few points of every pair of coplanar faces that overlap; none found is no proof.
+// pairs: all intersecting pairs of the surface, sorted.
 // pre: every face has an area. Errors: limit or interrupted only.
-Result<std::vector<StackWitness>> find_stack_witnesses(const Surface& surface, const TriangleBvh& bvh,
-                                                       const std::vector<FacePair>& pairs, bool all,
+Result<std::optional<StackWitness>> find_stack_witness(const Surface& surface, const TriangleBvh& bvh,
+                                                       const std::vector<FacePair>& pairs,
                                                        const RunContext& context);
 
 }  // namespace overtet

@@ -335,8 +335,8 @@ TEST_F(CheckWitness, LayersThatCannotBeGlued) {
 TEST_F(CheckWitness, FacesThatLieOnEachOther) {
   const Surface s = test::mirrored_folds();
   const Diagnosis d = diagnosed(s);
-  ASSERT_FALSE(d.stacks.empty()) << d.message;
-  const StackWitness& w = d.stacks.front();
+  ASSERT_TRUE(d.stack) << d.message;
+  const StackWitness& w = *d.stack;
   const auto text = [&](const std::vector<int>& moves, int winding) {
     return "{\"rule\": \"stack\", \"face\": " + std::to_string(w.face) + ", \"place\": [\"" + w.exact[0] +
            "\", \"" + w.exact[1] + "\", \"" + w.exact[2] + "\"], \"vertices\": " + listed(w.vertices) +
