@@ -53,7 +53,7 @@ class Repairing {
   Result<RepairedMesh> run(const std::optional<Eigen::Vector3d>& unglued) {
     bool looked_at = false;
     std::optional<RepairedMesh> nearest;  // of those that went too far
-    for (const Reach reach : {Reach::gentle, Reach::far, Reach::shrunk, Reach::flowed, Reach::allowed}) {
+    for (const Reach reach : {Reach::gentle, Reach::far, Reach::allowed, Reach::shrunk, Reach::flowed}) {
       if (reach == Reach::shrunk && !found_surface_) continue;  // it finds what far finds
       Result<std::optional<RepairedMesh>> away =
           reach == Reach::flowed ? flow_away() : move_away(reach, unglued);
@@ -148,7 +148,7 @@ class Repairing {
         return std::optional<RepairedMesh>();
       }
       if (fixed.value().moved.empty()) return std::optional<RepairedMesh>();
-      found_surface_ = true;
+      if (reach == Reach::far) found_surface_ = true;
       options.earlier = fixed.value().memory;
       MeshAttempt attempt = route_.mesh(fixed.value().surface);
       if (attempt.done) return std::optional(measured(std::move(attempt.mesh)));
@@ -337,7 +337,7 @@ class Repairing {
   const RepairRoute& route_;
   const Error& first_;
   double diagonal_ = 0;
-  bool found_surface_ = false;  // to which nothing objects
+  bool found_surface_ = false;  // to which nothing objects, far away
   double work_ = 0;             // of the rounds of moving less
 };
 

@@ -2,9 +2,9 @@
 //
 //  1. Away from what forbids a mesh: src/repair moves vertices until nothing objects: gently, and where that
 //     does not do as far as it takes. The result is meshed, and repaired further where the sheets could not
-//     be glued. If the way back from there is blocked: from other such surfaces, one that was moved less
-//     before, one that the forward flow has freed of all crossings (src/forward_flow; it has a mesh unless
-//     it faces inwards), last one no vertex of which was moved further than is allowed.
+//     be glued. If the way back from there is blocked: from other such surfaces, one no vertex of which was
+//     moved further than is allowed, one that was moved far and less far after that, one that the forward
+//     flow has freed of all crossings (src/forward_flow; it has a mesh unless it faces inwards).
 //  2. Back: the boundary of that mesh is pulled to the input again, every tet positive all the way
 //     (src/volume_map). Most vertices come home. What is locked ends as near to its place as it gets, and
 //     where that is too far, its neighbours give way.
