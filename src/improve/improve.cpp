@@ -286,11 +286,13 @@ Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, cons
     std::vector<Index> chosen(static_cast<std::size_t>(mesh.T.rows()));
     std::iota(chosen.begin(), chosen.end(), 0);
     std::vector<char> fresh;
+    bool mostly_bad = false;
     int count = 1;
     if (what == Work::refine) count = kRefineParts;
     if (what == Work::passes) {
       count = parts_for(chosen.size(), options.tets_per_part);
-      if (bad_share(mesh, options) < kMostlyBad) count = std::max(kLeastParts, count);
+      mostly_bad = !(bad_share(mesh, options) < kMostlyBad);
+      if (!mostly_bad) count = std::max(kLeastParts, count);
     }
     const double slack = count == kRefineParts ? kSlackForTwo : kSlack;
     while (!chosen.empty()) {
@@ -300,8 +302,9 @@ Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, cons
                                                 : 0.8,
                      std::to_string(chosen.size()) + " tets in " + std::to_string(count) + " parts");
       const std::vector<int> weight = weights(mesh, chosen, what, options);
-      const bool last = count == 1;  // nothing is cut any more, but what does not hang together is shared out
-      if (last && !fresh.empty()) count = pieces_for(chosen.size());
+      const bool last = count == 1;
+      // Nothing is cut any more, but in the passes what does not hang together is shared out.
+      if (last && what == Work::passes && !fresh.empty() && !mostly_bad) count = pieces_for(chosen.size());
       Pieces pieces;
       if (!fresh.empty()) pieces = in_pieces(mesh, chosen, count, weight);
       if (fresh.empty() || (!last && pieces.uneven > kUneven))
