@@ -8,6 +8,7 @@
 
 #include <mutex>
 #include <optional>
+#include <utility>
 
 // The thread sanitizer does not see how TBB, which is not built with it, hands blocks to threads and waits
 // for them; this file is therefore compiled without it too (see CMakeLists.txt), and two tokens tell it what
@@ -43,7 +44,8 @@ std::mutex default_mutex;
 std::shared_ptr<Pool> default_pool;
 
 thread_local std::shared_ptr<void> scoped_pool;
-thread_local int depth = 0;  // > 0: this thread is running a block, so it already is in the right arena
+thread_local int depth = 0;       // > 0: this thread is running a block, so it already is in the right arena
+thread_local bool alone = false;  // it is the only thread of its pool, and in no arena
 
 std::shared_ptr<Pool> current_pool() {
   if (scoped_pool) return std::static_pointer_cast<Pool>(scoped_pool);
@@ -57,6 +59,12 @@ struct Inside {
   ~Inside() { --depth; }
 };
 
+struct Alone {
+  Alone() : before(std::exchange(alone, true)) {}
+  ~Alone() { alone = before; }
+  bool before;
+};
+
 }  // namespace
 
 void set_thread_cap(int threads) {
@@ -66,6 +74,7 @@ void set_thread_cap(int threads) {
 }
 
 int thread_cap() {
+  if (alone) return 1;
   if (depth > 0) return tbb::this_task_arena::max_concurrency();
   return current_pool()->count;
 }
@@ -79,6 +88,10 @@ ScopedThreads::~ScopedThreads() { scoped_pool = std::move(previous_); }
 namespace parallel_detail {
 
 void run_blocks(std::int64_t blocks, void* context, void (*run)(void*, std::int64_t)) {
+  if (alone) {
+    for (std::int64_t i = 0; i < blocks; ++i) run(context, i);
+    return;
+  }
   char begun = 0, ended = 0;  // only their addresses count
   OVERTET_HAPPENS_BEFORE(&begun);
   const auto loop = [&] {
@@ -99,7 +112,7 @@ void run_blocks(std::int64_t blocks, void* context, void (*run)(void*, std::int6
   }
   const std::shared_ptr<Pool> pool = current_pool();
   if (pool->count == 1) {
-    const Inside inside;
+    const Alone one;
     for (std::int64_t i = 0; i < blocks; ++i) run(context, i);
     return;
   }

@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <random>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 namespace overtet {
@@ -82,6 +84,22 @@ TEST(Parallel, NestedLoopsWork) {
     const ScopedThreads one(1);
     for (int i = 0; i < 50; ++i) ASSERT_EQ(sums[i], rough_sum(2000 + i, 64));
   }
+}
+
+// Loops in the blocks of a loop once ran on all cores.
+TEST(Parallel, OneThreadIsOneThreadInNestedLoopsToo) {
+  const ScopedThreads scope(1);
+  const std::thread::id here = std::this_thread::get_id();
+  std::atomic<int> elsewhere = 0;
+  parallel_for(4, 1, [&](std::int64_t, std::int64_t) {
+    EXPECT_EQ(thread_cap(), 1);
+    parallel_for(1000, 1, [&](std::int64_t, std::int64_t) {
+      std::this_thread::sleep_for(std::chrono::microseconds(1));
+      elsewhere += std::this_thread::get_id() != here;
+    });
+  });
+  EXPECT_EQ(elsewhere, 0);
+  EXPECT_EQ(thread_cap(), 1);
 }
 
 TEST(Parallel, ExceptionsLeaveTheLoop) {
