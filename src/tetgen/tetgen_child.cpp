@@ -54,8 +54,8 @@ void write_all(const void* data, std::size_t bytes) {
 
 void limit(int what, unsigned long long value) {
   if (value == 0) return;
-  rlimit r;
-  r.rlim_cur = r.rlim_max = static_cast<rlim_t>(value);
+  // The hard limit is higher: where both are the same, Linux sends SIGKILL and not SIGXCPU.
+  const rlimit r{static_cast<rlim_t>(value), static_cast<rlim_t>(value) + 1};
   setrlimit(what, &r);
 }
 
