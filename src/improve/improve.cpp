@@ -342,6 +342,8 @@ Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, cons
     if (!(worst > kLookPays * before)) break;
   }
   if (since_begin() < budget) result.lifted = lift_worst(mesh, target, silent);
+  // Lifting has numbered vertices anew, and only refinement asks.
+  loose.assign(static_cast<std::size_t>(mesh.V.rows()), 0);
   if (result.lifted > 0) look_at(Work::passes, sine_of(kLookAgain * options.target_degrees));
   if (context.cancel && context.stop()) return *context.stop();
   result.after = dihedral_statistics(mesh.V, mesh.T);
