@@ -1,0 +1,473 @@
+#include "src/immersion/sheet_search.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+namespace overtet {
+
+namespace {
+
+// Regions with more gluings than this (windings beyond 4) have none listed beforehand: those that can be
+// right are made from the gluings around them.
+constexpr double kMostListed = 150;
+
+// Where that must do, and nothing around is known, beyond this number the search gives up.
+constexpr double kMostOptions = 50'000;
+
+// At an edge that may be wound all numbers of turns are tried where a region has no more gluings than the
+// first of these numbers (windings of 5 and 6), else as many turns as the second one.
+constexpr double kMostTurned = 6000;
+constexpr int kMostTurnsMade = 2;
+
+// Search steps before the constraint problem counts as unsolved; natural inputs need about one a region.
+constexpr std::int64_t kMostSearchNodes = 2'000'000;
+
+// Of these, the first attempt at some regions takes so many, and so many a region.
+constexpr std::int64_t kFirstNodes = 1000;
+constexpr std::int64_t kFirstNodesEach = 10;
+
+// Where options have to be made each step takes much longer: so many a region, and as many attempts at most.
+constexpr std::int64_t kMostNodesMade = 3;
+constexpr std::int64_t kAttemptsMade = 2;
+
+// A wound edge that other faces pierce counts like this many others: its points are hard to take off the
+// boundary.
+constexpr double kPiercedCost = 50;
+
+}  // namespace
+
+SheetSearch::SheetSearch(const std::vector<Region>& regions, const std::vector<Index>& winding,
+                         const SheetPuzzle& puzzle, const RunContext& context)
+    : regions_(regions), winding_(winding), puzzle_(puzzle), context_(context) {}
+
+bool SheetSearch::solve() {
+  const Index n = static_cast<Index>(regions_.size());
+  name_copies();
+  options_.resize(n);
+  listed_.assign(n, 1);
+  known_.assign(n, {});
+  for (Index r = 0; r < n; ++r) {
+    const double count = count_gluings(regions_[r], named_[r]);
+    if (count > kMostListed) {
+      listed_[r] = 0;
+      continue;
+    }
+    if (count > 0) {
+      enumerate_gluings(regions_[r], named_[r], options_[r]);
+      continue;
+    }
+    cut_short_ = true;
+    impossible_region_ = r;
+    return false;
+  }
+  chosen_.assign(n, nullptr);
+  for (Index r = 0; r < n; ++r)
+    if (listed_[r] && options_[r].size() == 1) chosen_[r] = &options_[r][0];
+
+  fans_of_.assign(n, {});
+  for (Index c = 0; c < static_cast<Index>(puzzle_.fans.size()); ++c) {
+    std::vector<Index> members;
+    for (const auto& leaf : puzzle_.fans[c].leaves) members.push_back(leaf.region);
+    std::sort(members.begin(), members.end());
+    members.erase(std::unique(members.begin(), members.end()), members.end());
+    bool open = false;
+    for (const Index r : members) open |= !chosen_[r];
+    if (!open) {
+      if (!satisfied(puzzle_.fans[c], chosen_, regions_)) {
+        deepest_fan_ = c;
+        return false;
+      }
+      continue;
+    }
+    for (const Index r : members)
+      if (!chosen_[r]) fans_of_[r].push_back(c);
+    open_members_.emplace(c, std::move(members));
+  }
+  free_fans_of_.assign(n, {});
+  for (Index i = 0; i < static_cast<Index>(puzzle_.free_fans.size()); ++i)
+    for (const auto& leaf : puzzle_.free_fans[i].fan.leaves) {
+      auto& list = free_fans_of_[leaf.region];
+      if (list.empty() || list.back() != i) list.push_back(i);
+    }
+  // Independent parts one after the other.
+  std::vector<char> seen(n, 0);
+  for (Index seed = 0; seed < n; ++seed) {
+    if (chosen_[seed] || seen[seed]) continue;
+    std::vector<Index> part{seed};
+    seen[seed] = 1;
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      const auto add = [&](Index r) {
+        if (!chosen_[r] && !seen[r]) seen[r] = 1, part.push_back(r);
+      };
+      for (const Index c : fans_of_[part[i]])
+        for (const Index r : open_members_.at(c)) add(r);
+      for (const Index c : free_fans_of_[part[i]])
+        for (const auto& leaf : puzzle_.free_fans[c].fan.leaves) add(leaf.region);
+    }
+    deepest_fan_ = fans_of_[seed].empty() ? -1 : fans_of_[seed][0];
+    if (!search(part)) return false;
+  }
+  return true;
+}
+
+// Along a spanning forest of the cells.
+void SheetSearch::name_copies() {
+  named_.assign(regions_.size(), Named::neither);
+  std::vector<std::vector<Index>> regions_of(winding_.size());
+  for (Index r = 0; r < static_cast<Index>(regions_.size()); ++r) {
+    if (puzzle_.cells[r][0] >= 0) regions_of[puzzle_.cells[r][0]].push_back(r);
+    if (puzzle_.cells[r][1] >= 0) regions_of[puzzle_.cells[r][1]].push_back(r);
+  }
+  std::vector<Index> order(winding_.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return winding_[a] < winding_[b]; });
+  std::vector<char> fixed(winding_.size(), 0);
+  std::vector<Index> queue;
+  for (const Index c : order)
+    if (winding_[c] <= 1) fixed[c] = 1, queue.push_back(c);
+  std::size_t next_root = 0, head = 0;
+  for (;;) {
+    while (head < queue.size()) {
+      const Index c = queue[head++];
+      for (const Index r : regions_of[c]) {
+        const bool here_is_front = puzzle_.cells[r][0] == c;
+        const Index other = here_is_front ? puzzle_.cells[r][1] : puzzle_.cells[r][0];
+        if (other < 0 || fixed[other] || other == c) continue;
+        fixed[other] = 1;
+        named_[r] = here_is_front ? Named::back : Named::front;
+        queue.push_back(other);
+      }
+    }
+    while (next_root < order.size() && fixed[order[next_root]]) ++next_root;
+    if (next_root == order.size()) return;
+    fixed[order[next_root]] = 1;
+    queue.push_back(order[next_root]);
+  }
+}
+
+// Options of r that no fan with all other regions chosen rejects. None, where r has no list and nothing
+// around it is known.
+std::optional<std::vector<Index>> SheetSearch::possible(Index r) {
+  std::vector<Index> candidates;
+  if (listed_[r]) {
+    candidates.resize(options_[r].size());
+    std::iota(candidates.begin(), candidates.end(), 0);
+  } else if (auto made = make_options(r)) {
+    candidates = std::move(*made);
+  } else {
+    return std::nullopt;
+  }
+  std::vector<Index> out;
+  std::vector<std::pair<double, Index>> costs;
+  for (const Index o : candidates) {
+    chosen_[r] = &options_[r][o];
+    bool fits = true;
+    for (const Index c : fans_of_[r]) {
+      if (is_complete(puzzle_.fans[c]) && !satisfied(puzzle_.fans[c], chosen_, regions_)) {
+        fits = false;
+        deepest_fan_ = blamed_ = c;
+        break;
+      }
+    }
+    // Free edges: some number of turns must fit; options that need the fewest unproposed ones come first.
+    double cost = 0;
+    for (const Index c : free_fans_of_[r]) {
+      if (!fits) break;
+      const FreeFan& f = puzzle_.free_fans[c];
+      if (!is_complete(f.fan)) continue;
+      const int turns = turns_at(f);
+      fits = turns >= 0;
+      if (!fits) blamed_ = static_cast<Index>(puzzle_.fans.size()) + c;
+      cost += (turns != f.given) + (turns > 0 && f.pierced ? kPiercedCost : 0);
+    }
+    if (fits) costs.emplace_back(cost, o);
+  }
+  chosen_[r] = nullptr;
+  std::sort(costs.begin(), costs.end());
+  for (const auto& [cost, o] : costs) out.push_back(o);
+  return out;
+}
+
+// But for the region `open`.
+bool SheetSearch::is_complete(const Fan& fan, Index open) const {
+  return std::all_of(fan.leaves.begin(), fan.leaves.end(),
+                     [&](const Fan::Leaf& l) { return l.region == open || chosen_[l.region]; });
+}
+
+// For a region without a list: the gluings that a fan allows in which all others are chosen.
+std::optional<std::vector<Index>> SheetSearch::make_options(Index r) {
+  const auto once = [&](const Fan& fan) {
+    return std::count_if(fan.leaves.begin(), fan.leaves.end(),
+                         [&](const Fan::Leaf& l) { return l.region == r; }) == 1;
+  };
+  for (const Index c : fans_of_[r]) {
+    const Fan& fan = puzzle_.fans[c];
+    int turns = 0;
+    for (const Fan::Pass& pass : fan.passes) turns += pass.turns;
+    if (turns > 2 * kMostTurnsMade || !once(fan) || !is_complete(fan, r)) continue;  // passes come twice
+    if (auto made = options_around(fan, r, turns)) return made;
+  }
+  for (const Index c : free_fans_of_[r]) {
+    const Fan& fan = puzzle_.free_fans[c].fan;
+    if (!once(fan) || !is_complete(fan, r)) continue;
+    const bool all = count_gluings(regions_[r], named_[r]) <= kMostTurned;
+    if (!all) cut_short_ = true;
+    const int most = std::min(regions_[r].front_winding, regions_[r].back_winding);
+    if (auto made = options_around(fan, r, all ? most : kMostTurnsMade)) return made;
+  }
+  return std::nullopt;
+}
+
+// Copies that come back to the region on the other side, having gone around the edge, must close there; the
+// few that begin or end on the way are joined in all ways. One more turn: a copy on such a path and one
+// that closes exchange what they lead to.
+std::optional<std::vector<Index>> SheetSearch::options_around(const Fan& fan, Index r, int turns) {
+  const Region& region = regions_[r];
+  const int front = region.front_winding, back = region.back_winding;
+  int at = 0;
+  while (fan.leaves[at].region != r) ++at;
+  const bool flipped = fan.leaves[at].flipped;
+  // Targets: back copies, then -1 - slot. Sources: front copies, then slots that begin on the back.
+  std::vector<int> target(front, -100);
+  std::vector<int> loose;  // targets that no front copy has yet
+  for (int b = 0; b < back; ++b) {
+    int leaf = at, side = flipped ? 0 : 1, copy = b;
+    for (;;) {
+      const int arrival = fan.arc[leaf][side];
+      if (arrival < 0) return std::nullopt;
+      leaf = arrival / 2, side = arrival % 2;
+      if (leaf == at) break;
+      const Fan::Leaf& l = fan.leaves[leaf];
+      const Gluing& option = *chosen_[l.region];
+      copy = ((side == 0) != l.flipped ? option.back_of : option.front_of)[copy];
+      if (copy < 0) break;
+      side = 1 - side;
+    }
+    if (copy >= 0 && (side == 0) == flipped) return std::nullopt;
+    if (copy >= 0)
+      target[copy] = b;
+    else
+      loose.push_back(b);
+  }
+  std::vector<int> open;  // sources without a target
+  for (int f = 0; f < front; ++f)
+    if (target[f] == -100) open.push_back(f);
+  const std::size_t copies = open.size();
+  for (int s = 0; s < static_cast<int>(region.signs.size()); ++s)
+    (region.signs[s] > 0 ? open : loose).push_back(region.signs[s] > 0 ? front + s : -1 - s);
+  constexpr std::size_t kMostOpen = 6;
+  if (open.size() != loose.size() || open.size() > kMostOpen) return std::nullopt;
+
+  struct Made {
+    std::vector<int> target;  // of the front copies, then of the slots
+    std::vector<int> path;    // sources on paths that begin or end
+  };
+  std::vector<Made> made;
+  target.resize(front + region.signs.size(), -100);
+  std::sort(loose.begin(), loose.end());
+  do {
+    bool fits = true;  // a slot cannot begin where another one ends
+    for (std::size_t i = copies; i < open.size(); ++i) fits = fits && loose[i] >= 0;
+    if (!fits) continue;
+    made.push_back({target, open});
+    for (std::size_t i = 0; i < open.size(); ++i) made.back().target[open[i]] = loose[i];
+  } while (std::next_permutation(loose.begin(), loose.end()));
+  for (std::size_t begin = 0; turns > 0; --turns) {
+    const std::size_t end = made.size();
+    for (std::size_t i = begin; i < end; ++i)
+      for (const int x : std::vector<int>(made[i].path))
+        for (int f = 0; f < front; ++f) {
+          const Made& now = made[i];
+          if (std::find(now.path.begin(), now.path.end(), f) != now.path.end()) continue;
+          Made more = now;
+          std::swap(more.target[x], more.target[f]);
+          more.path.push_back(f);
+          if (x >= front && more.target[x] < 0) continue;
+          made.push_back(std::move(more));
+        }
+    begin = end;
+  }
+  std::vector<Index> out;
+  for (const Made& m : made) {
+    Gluing option{std::vector<int>(front, -100), std::vector<int>(back, -100)};
+    for (int x = 0; x < static_cast<int>(m.target.size()); ++x) {
+      const int to = m.target[x];
+      if (to == -100) continue;
+      if (x < front) option.back_of[x] = to;
+      if (to >= 0) option.front_of[to] = x < front ? x : -1 - (x - front);
+    }
+    std::vector<int> key = option.back_of;
+    key.insert(key.end(), option.front_of.begin(), option.front_of.end());
+    const auto [place, is_new] =
+        known_[r].try_emplace(std::move(key), static_cast<Index>(options_[r].size()));
+    if (is_new) options_[r].push_back(std::move(option));
+    out.push_back(place->second);
+  }
+  std::sort(out.begin(), out.end());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
+// Extra turns at a free edge under the present choice; -1: none fits.
+int SheetSearch::turns_at(const FreeFan& f) const {
+  const Region& r = regions_[f.fan.leaves[0].region];
+  const int most = std::min(r.front_winding, r.back_winding);
+  for (int turns = 0; turns <= most; ++turns)
+    if (satisfied(f.fan, chosen_, regions_, turns)) return turns;
+  return -1;
+}
+
+// Lists all options of a region; false when there are too many.
+bool SheetSearch::list_options(Index r) {
+  if (count_gluings(regions_[r], named_[r]) > kMostOptions) return false;
+  options_[r].clear();
+  known_[r].clear();
+  enumerate_gluings(regions_[r], named_[r], options_[r]);
+  listed_[r] = 1;
+  return true;
+}
+
+// A first attempt goes on where it has been. Those that follow begin where the ones before have failed
+// most.
+bool SheetSearch::search(const std::vector<Index>& part) {
+  const bool all_listed = std::all_of(part.begin(), part.end(), [&](Index r) { return listed_[r] != 0; });
+  const std::int64_t n = static_cast<std::int64_t>(part.size());
+  const std::int64_t first =
+      all_listed ? kFirstNodes + kFirstNodesEach * n : kFirstNodes + kMostNodesMade * n;
+  const std::int64_t last = nodes_ + (all_listed ? kMostSearchNodes : kAttemptsMade * first);
+  weight_.assign(puzzle_.fans.size() + puzzle_.free_fans.size(), 1);
+  for (std::int64_t most = first, round = 0;; most += most / 2, ++round) {
+    const Found found = attempt(part, std::min(most, last - nodes_), round > 0);
+    if (found == Found::yes) return true;
+    if (found == Found::no) return false;
+    if (nodes_ < last && !context_.stop()) continue;
+    cut_short_ = true;
+    return false;
+  }
+}
+
+SheetSearch::Found SheetSearch::attempt(const std::vector<Index>& part, std::int64_t most, bool by_weight) {
+  struct Level {
+    Index region;
+    std::vector<Index> options;
+    std::size_t next = 0;
+  };
+  std::vector<Level> levels;
+  std::vector<std::optional<std::vector<Index>>> left(part.size());  // none: many
+  std::vector<Index> blame(part.size(), -1);
+  std::map<Index, std::size_t> at;
+  const auto look = [&](std::size_t i) {
+    blamed_ = -1;
+    left[i] = possible(part[i]);
+    blame[i] = blamed_;
+  };
+  for (std::size_t i = 0; i < part.size(); ++i) at[part[i]] = i, look(i);
+  const std::int64_t end = nodes_ + most;
+  std::vector<char> stale(part.size(), 0);
+  std::vector<int> touched(part.size(), 0);  // changes next to it
+  const auto spoil = [&](Index r) {
+    for (const Index c : fans_of_[r])
+      for (const Index other : open_members_.at(c))
+        if (const auto it = at.find(other); it != at.end()) stale[it->second] = 1;
+    for (const Index c : free_fans_of_[r])
+      for (const auto& leaf : puzzle_.free_fans[c].fan.leaves)
+        if (const auto it = at.find(leaf.region); it != at.end())
+          stale[it->second] = 1, ++touched[it->second];
+  };
+  const auto give_up = [&] {
+    for (const Level& level : levels) chosen_[level.region] = nullptr;
+    return Found::too_long;
+  };
+  // Options left; a region's share of dead ends makes them fewer.
+  const auto size = [&](std::size_t i) {
+    if (!left[i]) return std::numeric_limits<double>::max();
+    const double n = static_cast<double>(left[i]->size());
+    if (!by_weight || n < 2) return n;
+    double weight = 0;
+    for (const Index c : fans_of_[part[i]]) weight += weight_[c];
+    for (const Index c : free_fans_of_[part[i]]) weight += weight_[puzzle_.fans.size() + c];
+    return 1 + n / (1 + weight);
+  };
+  for (;;) {
+    // The open region with the fewest options left; the first of them.
+    std::size_t best = part.size();
+    double fewest = 0;
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      if (chosen_[part[i]]) continue;
+      if (stale[i]) look(i), stale[i] = 0;
+      const double here = size(i);
+      if (best == part.size() || here < fewest || (here == fewest && touched[i] > touched[best]))
+        best = i, fewest = here;
+      if (fewest == 0) break;
+    }
+    if (best == part.size()) return Found::yes;
+    if (!left[best]) {
+      if (!list_options(part[best])) {
+        cut_short_ = true;
+        give_up();
+        return Found::no;
+      }
+      look(best);
+    }
+    if (!left[best]->empty())
+      levels.push_back({part[best], *left[best]});
+    else if (blame[best] >= 0)
+      ++weight_[blame[best]];
+    // Take the next option of the deepest level that has one.
+    for (;;) {
+      if (levels.empty()) return Found::no;
+      Level& level = levels.back();
+      if (chosen_[level.region]) spoil(level.region);
+      chosen_[level.region] = nullptr;
+      if (level.next < level.options.size()) {
+        chosen_[level.region] = &options_[level.region][level.options[level.next++]];
+        spoil(level.region);
+        if (++nodes_ > end || (nodes_ % 256 == 0 && context_.stop())) return give_up();
+        break;
+      }
+      stale[at[level.region]] = 1;
+      levels.pop_back();
+    }
+  }
+}
+
+std::set<std::pair<Index, Index>> SheetSearch::settle_free_fans() {
+  const auto cost = [&](Index r) {
+    double sum = 0;
+    for (const Index i : free_fans_of_[r]) {
+      const int turns = turns_at(puzzle_.free_fans[i]);
+      if (turns < 0) return std::numeric_limits<double>::infinity();
+      sum += turns * (puzzle_.free_fans[i].pierced ? kPiercedCost : 1.0);
+    }
+    return sum;
+  };
+  for (bool better = true; better;) {
+    better = false;
+    for (Index r = 0; r < static_cast<Index>(regions_.size()); ++r) {
+      if (options_[r].size() < 2 || free_fans_of_[r].empty()) continue;
+      const Gluing* now = chosen_[r];
+      double best = cost(r);
+      const Gluing* choice = now;
+      for (const Gluing& option : options_[r]) {
+        chosen_[r] = &option;
+        const bool fits = std::all_of(fans_of_[r].begin(), fans_of_[r].end(),
+                                      [&](Index c) { return satisfied(puzzle_.fans[c], chosen_, regions_); });
+        if (!fits) continue;
+        if (const double there = cost(r); there < best) best = there, choice = &option;
+      }
+      chosen_[r] = choice;
+      better |= choice != now;
+    }
+  }
+  std::map<std::pair<Index, Index>, int> turns;
+  std::set<std::pair<Index, Index>> torn;
+  for (const FreeFan& f : puzzle_.free_fans) {
+    const int here = turns_at(f);
+    if (turns.try_emplace(f.edge, here).first->second == here && here >= 0) continue;
+    torn.insert(f.edge);
+  }
+  return torn;
+}
+
+}  // namespace overtet

@@ -1,0 +1,90 @@
+// The search for the gluings of all regions: backtracking on the region with the fewest gluings left, with
+// restarts where dead ends were met most.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "overtet/run_context.h"
+#include "overtet/types.h"
+#include "src/immersion/fan.h"
+
+namespace overtet {
+
+// An edge that may be wound: any number of extra turns that its fan allows.
+struct FreeFan {
+  Fan fan;
+  std::pair<Index, Index> edge;  // of the input
+  int given;                     // turns it was proposed to have
+  bool pierced;                  // the input edge has several parts
+};
+
+// What the gluings of some regions must satisfy.
+struct SheetPuzzle {
+  std::vector<std::array<Index, 2>>
+      cells;  // per region, in front of it and behind it; -1: outside everything
+  std::vector<Fan> fans;
+  std::vector<FreeFan> free_fans;
+};
+
+class SheetSearch {
+ public:
+  // winding: of each cell. All arguments must outlive the search.
+  SheetSearch(const std::vector<Region>& regions, const std::vector<Index>& winding,
+              const SheetPuzzle& puzzle, const RunContext& context);
+
+  // Whether there are gluings that satisfy all fans; no, too, where the search is stopped or given up.
+  bool solve();
+
+  // After solve() has found some: fewer wound edges. Regions change their gluing where nothing forbids it.
+  // Then every part of an input edge must have the same number of turns; returned are the edges where that
+  // fails.
+  std::set<std::pair<Index, Index>> settle_free_fans();
+
+  // After solve() has found some.
+  const Gluing& gluing(Index region) const { return *chosen_[region]; }
+
+  bool cut_short() const { return cut_short_; }                   // the search has not seen everything
+  Index impossible_region() const { return impossible_region_; }  // that has no gluing at all; -1: none
+  Index deepest_fan() const { return deepest_fan_; }  // the fan that was in the way last; -1: none
+  std::int64_t nodes() const { return nodes_; }
+
+ private:
+  enum class Found { yes, no, too_long };
+
+  void name_copies();
+  std::optional<std::vector<Index>> possible(Index r);
+  bool is_complete(const Fan& fan, Index open = -1) const;
+  std::optional<std::vector<Index>> make_options(Index r);
+  std::optional<std::vector<Index>> options_around(const Fan& fan, Index r, int turns);
+  int turns_at(const FreeFan& f) const;
+  bool list_options(Index r);
+  bool search(const std::vector<Index>& part);
+  Found attempt(const std::vector<Index>& part, std::int64_t most, bool by_weight);
+
+  const std::vector<Region>& regions_;
+  const std::vector<Index>& winding_;
+  const SheetPuzzle& puzzle_;
+  const RunContext& context_;
+  bool cut_short_ = false;
+  std::int64_t nodes_ = 0;
+  std::vector<Named> named_;                              // per region
+  std::vector<std::deque<Gluing>> options_;               // addresses stay
+  std::vector<char> listed_;                              // whether these are all
+  std::vector<std::map<std::vector<int>, Index>> known_;  // where they are not: which there are
+  std::vector<const Gluing*> chosen_;
+  std::vector<std::vector<Index>> fans_of_, free_fans_of_;  // per region
+  std::map<Index, std::vector<Index>> open_members_;
+  Index impossible_region_ = -1;
+  Index deepest_fan_ = -1;
+  Index blamed_ = -1;           // the last fan that rejected an option; free fans come after the others
+  std::vector<double> weight_;  // dead ends at each fan, free or not
+};
+
+}  // namespace overtet
