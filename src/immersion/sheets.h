@@ -11,8 +11,8 @@
 //     full turns more than the dihedral angle seen in space: k = 0, except at wound edges, where
 //     hinges force k > 0 (see src/surface/wound_edges.h).
 // Gluings are constant on the regions between intersection curves, and relabelling the copies of a cell
-// changes nothing, so what remains is a small exact constraint problem, solved here by
-// backtracking. No solution means: no solid with these wound edges exists.
+// changes nothing, so what remains is a small exact constraint problem, solved by
+// backtracking (sheet_search.h). No solution means: no solid with these wound edges exists.
 //
 // Source: the cover view of immersions in the plane (Shor and Van Wyk 1992), and of solids (Li and Barbic
 // 2018, "Immersion of self-intersecting solids and surfaces"), who exclude hinges.
