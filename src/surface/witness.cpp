@@ -5,6 +5,7 @@
 #include <map>
 #include <mutex>
 
+#include "kernels/predicates/predicates.h"
 #include "src/surface/wedges.h"
 
 namespace overtet {
@@ -225,56 +226,86 @@ class PairStudy {
   // inside the other one are looked at from all sides.
   void coplanar(Index f, Index g, PairFinding& out) const {
     bool any = false;
-    const auto edges = [&](Index x, Index y) {
-      for (int k = 0; k < 3; ++k) {
-        const Vec p = corner(x, k), e = corner(x, k + 1) - p;
-        Rational lo = 0, hi = 1;
-        bool outside = false;
-        const Vec ny = rays_.normal(y);
-        for (int j = 0; j < 3; ++j) {
-          const Vec wall = exact::cross(ny, corner(y, j + 1) - corner(y, j));  // points inwards
-          const Rational at0 = dot(wall, p - corner(y, j)), slope = dot(wall, e);
-          const int s = exact::sign(slope);
-          if (s == 0) {
-            outside = outside || exact::sign(at0) < 0;
-          } else {
-            const Rational t = -at0 / slope;
-            if (s > 0) lo = std::max(lo, t);
-            if (s < 0) hi = std::min(hi, t);
-          }
-        }
-        if (outside || !(lo < hi)) continue;
-        // Cut where other faces cross, so that every piece has one answer per wedge.
-        std::vector<Rational> cuts{lo, hi};
-        const Point start(p), line(e);
-        for (const Index h : partners_.common(x, y)) {
-          const Vec nh = rays_.normal(h), o = corner(h, 0);
-          const Rational a = dot(nh, p - o), slope = dot(nh, e);
-          if (exact::sign(slope) != 0) {
-            if (rays_.passes(start, line, h) == 0) continue;
-            const Rational t = -a / slope;
-            if (lo < t && t < hi) cuts.push_back(t);
-          } else if (exact::sign(a) == 0) {
-            for (int j = 0; j < 3; ++j) {
-              const Vec wall = exact::cross(nh, corner(h, j + 1) - corner(h, j));
-              const Rational at0 = dot(wall, p - corner(h, j)), s = dot(wall, e);
-              if (exact::sign(s) == 0) continue;
-              const Rational t = -at0 / s;
-              if (lo < t && t < hi) cuts.push_back(t);
-            }
-          }
-        }
-        std::sort(cuts.begin(), cuts.end());
-        for (std::size_t i = 1; i < cuts.size(); ++i)
-          if (cuts[i - 1] < cuts[i]) {
-            any = true;
-            all_wedges(e, Point(p + ((cuts[i - 1] + cuts[i]) / 2) * e), out);
-          }
-      }
-    };
-    edges(f, g);
-    edges(g, f);
+    for (int k = 0; k < 3; ++k) any |= outline(f, k, g, out);
+    for (int k = 0; k < 3; ++k) any |= outline(g, k, f, out);
     out.touches = !any;
+  }
+
+  // On which side of a face's edge from a to b the two ends of another edge lie in the same plane (1: the
+  // face's), and if not on the same, how far from it.
+  struct Crossing {
+    int from, to;
+    Rational from_height, to_height;
+    Rational place() const { return from_height / (from_height - to_height); }  // on the edge, 0 to 1
+  };
+  Crossing crossing(const double* from, const double* to, const double* a, const double* b, int axis,
+                    int up) const {
+    const int i = (axis + 1) % 3, j = (axis + 2) % 3;
+    const auto sign_of = [&](const double* p) { return up * orient2d(a[i], a[j], b[i], b[j], p[i], p[j]); };
+    Crossing out{sign_of(from), sign_of(to), {}, {}};
+    if (out.from * out.to >= 0) return out;
+    const Rational u = Rational(b[i]) - a[i], v = Rational(b[j]) - a[j];
+    out.from_height = u * (Rational(from[j]) - a[j]) - v * (Rational(from[i]) - a[i]);
+    out.to_height = u * (Rational(to[j]) - a[j]) - v * (Rational(to[i]) - a[i]);
+    return out;
+  }
+
+  // The piece of an edge of face x inside face y, coplanar; false if there is none.
+  bool outline(Index x, int k, Index y, PairFinding& out) const {
+    const double *from = rays_.corner(x, k), *to = rays_.corner(x, (k + 1) % 3);
+    const auto [axis, up] = flat_axis(y);
+    Rational lo = 0, hi = 1;
+    for (int j = 0; j < 3; ++j) {
+      const Crossing c = crossing(from, to, rays_.corner(y, j), rays_.corner(y, (j + 1) % 3), axis, up);
+      if (std::max(c.from, c.to) <= 0 && std::min(c.from, c.to) < 0) return false;
+      if (c.from < 0) lo = std::max(lo, c.place());
+      if (c.to < 0) hi = std::min(hi, c.place());
+    }
+    if (!(lo < hi)) return false;
+    // Cut where other faces cross, so that every piece has one answer per wedge.
+    std::vector<Rational> cuts{lo, hi};
+    const auto add = [&](Rational t) {
+      if (lo < t && t < hi) cuts.push_back(std::move(t));
+    };
+    const Vec p = exact::vec(from), e = exact::vec(to) - p;
+    const Point start(p), line(e);
+    for (const Index h : partners_.common(x, y)) {
+      const double* corners[3] = {rays_.corner(h, 0), rays_.corner(h, 1), rays_.corner(h, 2)};
+      const int s = orient3d(corners[0], corners[1], corners[2], from);
+      const int t = orient3d(corners[0], corners[1], corners[2], to);
+      if (s * t < 0) {
+        if (rays_.passes(start, line, h) != 0) add(rays_.cut(start, Point(exact::vec(to)), h));
+      } else if (s == 0 && t == 0) {
+        const auto [flat, side] = flat_axis(h);
+        for (int j = 0; j < 3; ++j) {
+          const double *a = corners[j], *b = corners[(j + 1) % 3];
+          const Crossing c = crossing(from, to, a, b, flat, side);
+          if (c.from * c.to >= 0) continue;
+          // Only the edge cuts, not the line on which it lies.
+          const int i1 = (flat + 1) % 3, i2 = (flat + 2) % 3;
+          const int sa = orient2d(from[i1], from[i2], to[i1], to[i2], a[i1], a[i2]);
+          const int sb = orient2d(from[i1], from[i2], to[i1], to[i2], b[i1], b[i2]);
+          if (sa * sb <= 0) add(c.place());
+        }
+      }
+    }
+    std::sort(cuts.begin(), cuts.end());
+    for (std::size_t i = 1; i < cuts.size(); ++i)
+      if (cuts[i - 1] < cuts[i]) all_wedges(e, Point(p + ((cuts[i - 1] + cuts[i]) / 2) * e), out);
+    return true;
+  }
+
+  // An axis along which a face's plane can be looked at, and the sign of the face's area then.
+  std::pair<int, int> flat_axis(Index f) const {
+    const double *a = rays_.corner(f, 0), *b = rays_.corner(f, 1), *c = rays_.corner(f, 2);
+    const auto n = rays_.unit_normal(f);
+    int best = 0;
+    for (int k = 1; k < 3; ++k)
+      if (std::fabs(n[k]) > std::fabs(n[best])) best = k;
+    for (int k = 0;; ++k) {
+      const int axis = (best + k) % 3, i = (axis + 1) % 3, j = (axis + 2) % 3;
+      if (const int up = orient2d(a[i], a[j], b[i], b[j], c[i], c[j]); up != 0) return {axis, up};
+    }
   }
 
   struct Place {

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "src/surface/winding.h"
 #include "tests/support/models.h"
@@ -117,6 +119,38 @@ TEST(Witness, CoincidentFaces) {
   EXPECT_EQ(range.min, -1);
   EXPECT_EQ(range.max, 1);
   expect_certified(half, range);
+}
+
+// Boxes with corners on a lattice: nearly all pairs of faces lie in one plane, in many layers.
+TEST(Witness, BoxesWithManyCoplanarSides) {
+  constexpr unsigned kSeed = 77;
+  SCOPED_TRACE(kSeed);
+  std::mt19937 random(kSeed);
+  for (int trial = 0; trial < 6; ++trial) {
+    int sum[4][4][4] = {};
+    Surface all;
+    for (int b = 0; b < 4; ++b) {
+      const bool cavity = random() % 4 == 0;
+      int lo[3], size[3];
+      Surface box = test::box(1 + random() % 3);
+      for (int k = 0; k < 3; ++k) {
+        lo[k] = random() % 3;
+        size[k] = 1 + random() % (4 - lo[k]);
+        box.V.col(k).array() -= box.V.col(k).minCoeff();
+        box.V.col(k) = (box.V.col(k) * size[k]).array() + lo[k];
+      }
+      for (int x = lo[0]; x < lo[0] + size[0]; ++x)
+        for (int y = lo[1]; y < lo[1] + size[1]; ++y)
+          for (int z = lo[2]; z < lo[2] + size[2]; ++z) sum[x][y][z] += cavity ? -1 : 1;
+      if (cavity) box = test::flipped(box);
+      all = b == 0 ? box : test::joined(all, box);
+    }
+    const int *first = &sum[0][0][0], *last = first + 64;
+    const WindingRange range = range_of(all);
+    EXPECT_EQ(range.min, std::min(0, *std::min_element(first, last)));
+    EXPECT_EQ(range.max, std::max(0, *std::max_element(first, last)));
+    if (range.witness) expect_certified(all, range);
+  }
 }
 
 TEST(Witness, DoesNotDependOnThreadsOrderOrPlace) {
