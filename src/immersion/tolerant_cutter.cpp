@@ -5,9 +5,10 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numeric>
+#include <optional>
 #include <utility>
 
+#include "kernels/bvh/box_tree.h"
 #include "src/immersion/exact_triangulation.h"
 
 namespace overtet {
@@ -34,12 +35,7 @@ class TolerantCutter {
       : points_(points), pieces_(pieces), near_(near) {}
 
   Result<ToleranceRound> run(bool only_touching, const RunContext& context) {
-    const auto pairs = close_pairs();
-    for (const Piece& p : pieces_)
-      for (const Index v : p.corners) {
-        auto& list = cells_[cell(at(v))];
-        if (std::find(list.begin(), list.end(), v) == list.end()) list.push_back(v);
-      }
+    const auto pairs = meeting_pairs();
     std::size_t done = 0;
     for (const auto& [f, g] : pairs) {
       if (++done % 256 == 0)
@@ -73,33 +69,29 @@ class TolerantCutter {
     return p.corners[0] == v || p.corners[1] == v || p.corners[2] == v;
   }
 
-  // Pairs of pieces whose boxes come closer than the tolerance, one of them fresh: a sweep along the first
-  // axis.
-  std::vector<std::pair<Index, Index>> close_pairs() const {
-    const Index n = static_cast<Index>(pieces_.size());
-    std::vector<std::array<double, 6>> box(n);
-    for (Index f = 0; f < n; ++f)
-      for (int k = 0; k < 3; ++k) {
-        const auto& c = pieces_[f].corners;
-        box[f][k] = std::min({at(c[0])[k], at(c[1])[k], at(c[2])[k]}) - near_;
-        box[f][3 + k] = std::max({at(c[0])[k], at(c[1])[k], at(c[2])[k]}) + near_;
-      }
-    std::vector<Index> order(n);
-    std::iota(order.begin(), order.end(), 0);
-    std::sort(order.begin(), order.end(),
-              [&](Index a, Index b) { return box[a][0] != box[b][0] ? box[a][0] < box[b][0] : a < b; });
-    std::vector<std::pair<Index, Index>> out;
-    std::vector<Index> open;
-    for (const Index f : order) {
-      std::erase_if(open, [&](Index g) { return box[g][3] < box[f][0]; });
-      for (const Index g : open)
-        if ((pieces_[f].fresh || pieces_[g].fresh) && box[g][1] <= box[f][4] && box[f][1] <= box[g][4] &&
-            box[g][2] <= box[f][5] && box[f][2] <= box[g][5])
-          out.emplace_back(std::min(f, g), std::max(f, g));
-      open.push_back(f);
-    }
+  // Pairs of pieces that have more in common than vertices, one of them fresh.
+  std::vector<std::pair<Index, Index>> meeting_pairs() const {
+    std::vector<std::uint8_t> fresh(pieces_.size());
+    for (std::size_t f = 0; f < pieces_.size(); ++f) fresh[f] = pieces_[f].fresh;
+    BoxTree tree;
+    tree.build(static_cast<Index>(pieces_.size()), [&](Index f) { return box(f); });
+    tree.set_active(fresh);
+    auto out = tree.collect_self_pairs<std::pair<Index, Index>>([&](Index f, Index g, auto& pairs) {
+      if (box(f).overlaps(box(g)) && meet(f, g)) pairs.emplace_back(f, g);
+    });
     std::sort(out.begin(), out.end());
     return out;
+  }
+
+  Box box(Index f) const {
+    const auto& c = pieces_[f].corners;
+    Box b;
+    for (int k = 0; k < 3; ++k) {
+      b.low[k] = std::min({at(c[0])[k], at(c[1])[k], at(c[2])[k]});
+      b.high[k] = std::max({at(c[0])[k], at(c[1])[k], at(c[2])[k]});
+    }
+    b.grow(near_);
+    return b;
   }
 
   // Where on the edge its point closest to p is (0 to 1), and how far away that is.
@@ -126,19 +118,23 @@ class TolerantCutter {
     return true;
   }
 
-  // Vertex v, no corner of f, touches f: where is written down.
-  bool touch(Index v, Index f, const Plane& plane) {
+  // Where vertex v, no corner of f, touches f: at the edge from corner 0, 1 or 2, inside (3), or nowhere
+  // (-1).
+  int touching(Index v, Index f, const Plane& plane) const {
     const Piece& p = pieces_[f];
     for (int k = 0; k < 3; ++k) {
-      const Edge e = edge_of(p.corners[k], p.corners[(k + 1) % 3]);
-      const auto [t, distance] = along(e, at(v));
-      if (distance >= near_ || t <= 0 || t >= 1) continue;
-      on_edge_[e].push_back(v);
-      ++round_.touching;
-      return true;
+      const auto [t, distance] = along(edge_of(p.corners[k], p.corners[(k + 1) % 3]), at(v));
+      if (distance < near_ && t > 0 && t < 1) return k;
     }
-    if (!(std::abs(plane.height(at(v))) < near_) || !over(p, plane, at(v))) return false;
-    cuts_[f].points.push_back(v);
+    return std::abs(plane.height(at(v))) < near_ && over(p, plane, at(v)) ? 3 : -1;
+  }
+
+  // Writes down where v touches f.
+  bool touch(Index v, Index f, const Plane& plane) {
+    const int where = touching(v, f, plane);
+    if (where < 0) return false;
+    const auto& c = pieces_[f].corners;
+    (where < 3 ? on_edge_[edge_of(c[where], c[(where + 1) % 3])] : cuts_[f].points).push_back(v);
     ++round_.touching;
     return true;
   }
@@ -150,6 +146,12 @@ class TolerantCutter {
 
   // The vertex closer than the tolerance to a point, or a new one there.
   Index vertex_at(const Vector3d& x) {
+    if (cells_.empty())
+      for (const Piece& p : pieces_)
+        for (const Index v : p.corners) {
+          auto& list = cells_[cell(at(v))];
+          if (std::find(list.begin(), list.end(), v) == list.end()) list.push_back(v);
+        }
     const Cell c = cell(x);
     for (int i = 0; i < 27; ++i) {
       const auto there = cells_.find({c[0] + i % 3 - 1, c[1] + i / 3 % 3 - 1, c[2] + i / 9 - 1});
@@ -163,47 +165,76 @@ class TolerantCutter {
     return v;
   }
 
-  // The common point of two edges that pass each other within the tolerance, or -1.
-  Index cross_edges(const Edge& e, const Edge& g) {
-    if (e.first == g.first || e.first == g.second || e.second == g.first || e.second == g.second) return -1;
+  // Where two edges pass each other within the tolerance.
+  std::optional<Vector3d> crossing(const Edge& e, const Edge& g) const {
+    if (e.first == g.first || e.first == g.second || e.second == g.first || e.second == g.second)
+      return std::nullopt;
     const Edge &a = std::min(e, g), &b = std::max(e, g);
     const Vector3d d = at(a.second) - at(a.first), h = at(b.second) - at(b.first),
                    r = at(a.first) - at(b.first);
     const double dd = d.squaredNorm(), hh = h.squaredNorm(), dh = d.dot(h);
     const double det = dd * hh - dh * dh;
-    if (!(det > 0)) return -1;
+    if (!(det > 0)) return std::nullopt;
     const double s = (dh * h.dot(r) - hh * d.dot(r)) / det, t = (dd * h.dot(r) - dh * d.dot(r)) / det;
-    if (!(s > 0 && s < 1 && t > 0 && t < 1)) return -1;
+    if (!(s > 0 && s < 1 && t > 0 && t < 1)) return std::nullopt;
     const Vector3d x = at(a.first) + s * d, y = at(b.first) + t * h;
-    if (!((x - y).norm() < near_)) return -1;
+    if (!((x - y).norm() < near_)) return std::nullopt;
     // An end that touches the other edge stands for the crossing.
     for (const Index v : {a.first, a.second})
-      if (along(b, at(v)).second < near_) return -1;
+      if (along(b, at(v)).second < near_) return std::nullopt;
     for (const Index v : {b.first, b.second})
-      if (along(a, at(v)).second < near_) return -1;
-    const Index v = vertex_at(0.5 * (x + y));
-    on_edge_[a].push_back(v);
-    on_edge_[b].push_back(v);
+      if (along(a, at(v)).second < near_) return std::nullopt;
+    return 0.5 * (x + y);
+  }
+
+  Index cross_edges(const Edge& e, const Edge& g) {
+    const std::optional<Vector3d> x = crossing(e, g);
+    if (!x) return -1;
+    const Index v = vertex_at(*x);
+    for (const Edge& edge : {std::min(e, g), std::max(e, g)}) on_edge_[edge].push_back(v);
     ++round_.touching;
     return v;
   }
 
-  // The point where an edge pierces the inside of piece g, or -1.
-  Index pierce(const Edge& e, Index g, const Plane& plane) {
+  // Where an edge pierces the inside of piece g.
+  std::optional<Vector3d> piercing(const Edge& e, Index g, const Plane& plane) const {
     const Piece& p = pieces_[g];
-    if (has(p, e.first) || has(p, e.second)) return -1;
+    if (has(p, e.first) || has(p, e.second)) return std::nullopt;
     const double h0 = plane.height(at(e.first)), h1 = plane.height(at(e.second));
-    if (!(h0 * h1 < 0) || std::abs(h0) < near_ || std::abs(h1) < near_) return -1;
+    if (!(h0 * h1 < 0) || std::abs(h0) < near_ || std::abs(h1) < near_) return std::nullopt;
     const Vector3d x = at(e.first) + h0 / (h0 - h1) * (at(e.second) - at(e.first));
-    if (!over(p, plane, x)) return -1;
+    if (!over(p, plane, x)) return std::nullopt;
     for (int k = 0; k < 3; ++k)
-      if (along(edge_of(p.corners[k], p.corners[(k + 1) % 3]), x).second < near_) return -1;
+      if (along(edge_of(p.corners[k], p.corners[(k + 1) % 3]), x).second < near_) return std::nullopt;
     for (const Index v : {e.first, e.second})
-      if ((at(v) - x).norm() < near_) return -1;
-    const Index v = vertex_at(x);
+      if ((at(v) - x).norm() < near_) return std::nullopt;
+    return x;
+  }
+
+  Index pierce(const Edge& e, Index g, const Plane& plane) {
+    const std::optional<Vector3d> x = piercing(e, g, plane);
+    if (!x) return -1;
+    const Index v = vertex_at(*x);
     on_edge_[e].push_back(v);
     cuts_[g].points.push_back(v);
     return v;
+  }
+
+  // Whether compare() would write anything down.
+  bool meet(Index f, Index g) const {
+    const Piece &p = pieces_[f], &q = pieces_[g];
+    const Plane pf = plane(p), pg = plane(q);
+    for (const Index v : p.corners)
+      if (!has(q, v) && touching(v, g, pg) >= 0) return true;
+    for (const Index v : q.corners)
+      if (!has(p, v) && touching(v, f, pf) >= 0) return true;
+    for (int i = 0; i < 3; ++i) {
+      const Edge e = edge_of(p.corners[i], p.corners[(i + 1) % 3]);
+      for (int j = 0; j < 3; ++j)
+        if (crossing(e, edge_of(q.corners[j], q.corners[(j + 1) % 3]))) return true;
+      if (piercing(e, g, pg) || piercing(edge_of(q.corners[i], q.corners[(i + 1) % 3]), f, pf)) return true;
+    }
+    return false;
   }
 
   void compare(Index f, Index g) {
