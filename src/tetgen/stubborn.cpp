@@ -1,11 +1,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <numeric>
+#include <optional>
 #include <random>
 #include <utility>
 
 #include "src/tetgen/delaunay_first.h"
 #include "src/tetgen/delaunay_match.h"
+#include "src/tetgen/split_edges.h"
 #include "src/tetgen/tetgen.h"
 
 namespace overtet {
@@ -13,6 +15,9 @@ namespace overtet {
 namespace {
 
 constexpr int kAttempts = 6;
+
+// So often edges are cut in half where TetGen fails with whole ones: the first time has always been enough.
+constexpr int kSplits = 3;
 
 // From so many facets on, Delaunay tets first are faster.
 constexpr Eigen::Index kLarge = 10'000;
@@ -99,6 +104,31 @@ Result<TetgenResult> tetrahedralize_shuffled(const Plc& plc, const TetgenOptions
   return first;
 }
 
+namespace {
+
+// With edges of facets cut in half, again and again.
+Result<TetgenResult> tetrahedralize_split(const Plc& plc, const TetgenOptions& options,
+                                          const RunContext& context) {
+  Plc now = plc;
+  std::vector<Index> source(plc.F.rows());
+  std::iota(source.begin(), source.end(), 0);
+  for (int round = 0; round < kSplits; ++round) {
+    std::optional<SplitPlc> split = split_missing_edges(now, context);
+    if (auto stop = context.stop()) return *stop;
+    if (!split) break;
+    now = std::move(split->plc);
+    for (Index& f : split->source) f = source[f];
+    source = std::move(split->source);
+    Result<TetgenResult> result = tetrahedralize_shuffled(now, options, context);
+    if (result)
+      for (Index& f : result.value().facet_sources) f = source[f];
+    if (settled(result)) return result;
+  }
+  return Error{ErrorCode::unsolved, "TetGen failed with edges cut in half as well."};
+}
+
+}  // namespace
+
 Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptions& options,
                                                const RunContext& context, DelaunayBuilder begun) {
   TetgenOptions plain = options;
@@ -125,6 +155,8 @@ Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptio
             tetrahedralize_delaunay_first(plc, context, {.most_missing = 1, .most_left = 10});
         settled(again))
       return again;
+  if (options.keep_facets && options.accept_split)
+    if (Result<TetgenResult> again = tetrahedralize_split(plc, plain, context); settled(again)) return again;
   return first;
 }
 

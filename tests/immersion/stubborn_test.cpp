@@ -3,12 +3,15 @@
 #include <Eigen/Geometry>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <set>
 
+#include "kernels/bvh/self_intersections.h"
 #include "kernels/predicates/predicates.h"
 #include "src/tetgen/stubborn.cpp"  // its single attempts are not in the header
 #include "src/tetgen/tetgen.h"
 #include "tests/support/models.h"
+#include "tests/tetgen/sound.h"
 
 namespace overtet {
 namespace {
@@ -120,6 +123,56 @@ TEST(TetgenStubborn, SaysNoAsTetgenDoes) {
   ASSERT_FALSE(a.ok() || b.ok());
   EXPECT_EQ(b.error().code, a.error().code);
   EXPECT_EQ(b.error().message, a.error().message);
+}
+
+// A flat and long surface: many facets are no faces of Delaunay tets.
+Plc stretched() {
+  Surface s = test::transformed(test::torus(24, 10), test::some_rotation(4), {0, 0, 0});
+  s = test::transformed(s, Eigen::Vector3d(1, 0.1, 0.3).asDiagonal(), {0, 0, 0});
+  return test::plc_of(s);
+}
+
+TEST(TetgenStubborn, EdgesAreCutWithoutChangingTheSurface) {
+  const Plc plc = stretched();
+  const auto split = split_missing_edges(plc, {});
+  ASSERT_TRUE(split);
+  const Plc& now = split->plc;
+  EXPECT_EQ(now.V.topRows(plc.V.rows()), plc.V);
+  EXPECT_GT(now.F.rows(), plc.F.rows());
+  EXPECT_TRUE(find_self_intersections(now.V, now.F).empty());
+  const auto normal = [](const Plc& p, Index f) {
+    const Eigen::Vector3d a = p.V.row(p.F(f, 0)), b = p.V.row(p.F(f, 1)), c = p.V.row(p.F(f, 2));
+    return Eigen::Vector3d((b - a).cross(c - a));
+  };
+  std::vector<Eigen::Vector3d> sum(plc.F.rows(), Eigen::Vector3d::Zero());
+  std::map<std::pair<Index, Index>, int> sides;
+  for (Index f = 0; f < now.F.rows(); ++f) {
+    const Index source = split->source[f];
+    EXPECT_EQ(now.markers[f], plc.markers[source]);
+    EXPECT_GT(normal(now, f).dot(normal(plc, source)), 0);
+    sum[source] += normal(now, f);
+    for (int k = 0; k < 3; ++k) {
+      ++sides[{now.F(f, k), now.F(f, (k + 1) % 3)}];
+      --sides[{now.F(f, (k + 1) % 3), now.F(f, k)}];
+    }
+  }
+  for (const auto& [edge, count] : sides) EXPECT_EQ(count, 0);  // still closed
+  for (Index f = 0; f < plc.F.rows(); ++f)
+    EXPECT_LT((sum[f] - normal(plc, f)).norm(), 1e-12 * normal(plc, f).norm());
+}
+
+TEST(TetgenStubborn, CutEdgesKeepThePromises) {
+  const Plc plc = stretched();
+  TetgenOptions options;
+  options.quality = false;
+  options.accept_split = true;
+  const auto r = tetrahedralize_split(plc, options, {});
+  ASSERT_TRUE(r.ok()) << r.error().message;
+  EXPECT_GT(r.value().V.rows(), plc.V.rows());
+  Surface s;
+  s.V = plc.V;
+  s.F = plc.F;
+  test::expect_sound(r.value(), plc, test::signed_volume(s));
 }
 
 }  // namespace
