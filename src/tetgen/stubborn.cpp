@@ -33,6 +33,10 @@ constexpr double kNeedle = 1e-4;
 // Around 4 is usual.
 constexpr double kCrowd = 4.5;
 
+// Where more facets than this crowd, they leave no room for points: TetGen looks for it for a minute, finds a
+// few hundred places, and the quality pass gains little by them.
+constexpr Eigen::Index kMostRefined = 30'000;
+
 // Axes turned cyclically (which keeps orientations) by `turn`.
 VertexMatrix turned(const VertexMatrix& V, int turn) {
   VertexMatrix out(V.rows(), 3);
@@ -142,7 +146,7 @@ Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptio
   if (settled(first)) {
     const bool crowded = first.ok() && static_cast<double>(first.value().T.rows()) >
                                            kCrowd * static_cast<double>(first.value().V.rows());
-    if (!crowded || !options.quality) return first;
+    if (!crowded || !options.quality || plc.F.rows() > kMostRefined) return first;
     Result<TetgenResult> refined = tetrahedralize(plc, options, context);
     return settled(refined) ? std::move(refined) : std::move(first);
   }
