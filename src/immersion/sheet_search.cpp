@@ -20,10 +20,7 @@ constexpr double kMostOptions = 50'000;
 constexpr double kMostTurned = 6000;
 constexpr int kMostTurnsMade = 2;
 
-// Search steps before the constraint problem counts as unsolved; natural inputs need about one a region.
-constexpr std::int64_t kMostSearchNodes = 2'000'000;
-
-// Of these, the first attempt at some regions takes so many, and so many a region.
+// Of all steps, the first attempt at some regions takes so many, and so many a region.
 constexpr std::int64_t kFirstNodes = 1000;
 constexpr std::int64_t kFirstNodesEach = 10;
 
@@ -38,8 +35,8 @@ constexpr double kPiercedCost = 50;
 }  // namespace
 
 SheetSearch::SheetSearch(const std::vector<Region>& regions, const std::vector<Index>& winding,
-                         const SheetPuzzle& puzzle, const RunContext& context)
-    : regions_(regions), winding_(winding), puzzle_(puzzle), context_(context) {}
+                         const SheetPuzzle& puzzle, const RunContext& context, std::int64_t most_nodes)
+    : regions_(regions), winding_(winding), puzzle_(puzzle), context_(context), most_nodes_(most_nodes) {}
 
 bool SheetSearch::solve() {
   const Index n = static_cast<Index>(regions_.size());
@@ -335,7 +332,7 @@ bool SheetSearch::search(const std::vector<Index>& part) {
   const std::int64_t n = static_cast<std::int64_t>(part.size());
   const std::int64_t first =
       all_listed ? kFirstNodes + kFirstNodesEach * n : kFirstNodes + kMostNodesMade * n;
-  const std::int64_t last = nodes_ + (all_listed ? kMostSearchNodes : kAttemptsMade * first);
+  const std::int64_t last = nodes_ + (all_listed ? most_nodes_ : kAttemptsMade * first);
   weight_.assign(puzzle_.fans.size() + puzzle_.free_fans.size(), 1);
   for (std::int64_t most = first, round = 0;; most += most / 2, ++round) {
     const Found found = attempt(part, std::min(most, last - nodes_), round > 0);

@@ -35,9 +35,12 @@ struct SheetPuzzle {
 
 class SheetSearch {
  public:
+  // Steps before a search counts as unsolved; natural inputs need about one a region.
+  static constexpr std::int64_t kMostNodes = 2'000'000;
+
   // winding: of each cell. All arguments must outlive the search.
   SheetSearch(const std::vector<Region>& regions, const std::vector<Index>& winding,
-              const SheetPuzzle& puzzle, const RunContext& context);
+              const SheetPuzzle& puzzle, const RunContext& context, std::int64_t most_nodes = kMostNodes);
 
   // Whether there are gluings that satisfy all fans; no, too, where the search is stopped or given up.
   bool solve();
@@ -72,6 +75,7 @@ class SheetSearch {
   const std::vector<Index>& winding_;
   const SheetPuzzle& puzzle_;
   const RunContext& context_;
+  const std::int64_t most_nodes_;
   bool cut_short_ = false;
   std::int64_t nodes_ = 0;
   std::vector<Named> named_;                              // per region

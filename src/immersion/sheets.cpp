@@ -22,6 +22,11 @@ using Triple = std::array<Index, 3>;
 // Rounds of the search with free edges; each but the last has found edges whose parts did not agree.
 constexpr int kFreeRounds = 4;
 
+// Rings of faces around the wound edges given within which others take part first, and how many steps such a
+// search may take: most take a few hundred.
+constexpr int kRings = 6;
+constexpr std::int64_t kMostNodesNear = 50'000;
+
 class Assigner {
  public:
   Assigner(const Surface& surface, const Arrangement& arrangement, const TetgenResult& tets,
@@ -37,23 +42,44 @@ class Assigner {
     std::optional<Error> failure = glue();
     if (!failure) return std::move(out_);
     if (failure->code != ErrorCode::unsolved || torn_) return *failure;
-    // The wound edges given leave no gluing. Let every edge that could be wound take part in the search.
+    // The wound edges given leave no gluing. Let others take part in the search: first those next to the
+    // given ones, then more and more around them, last every edge that could be wound. The fewer there are,
+    // the shorter is the search.
     free_ = true;
-    for (int round = 0; round < kFreeRounds; ++round) {
-      reset();
-      const std::size_t refused = refused_.size();
-      if (auto error = glue()) {
-        if (error->code != ErrorCode::unsolved || torn_) return *error;
-        failure->exhausted = round == 0 && !cut_short_ && !in_doubt_;
-        return *failure;
+    for (const auto& [edge, turns] : turns_) near_.insert({edge.first, edge.second});
+    for (int rings = near_.empty() ? kRings : 0; rings <= kRings; ++rings) {
+      const bool all = rings == kRings;
+      if (all) near_.clear();
+      refused_.clear();
+      cut_short_ = false;
+      for (int round = 0; round < kFreeRounds; ++round) {
+        reset();
+        const std::size_t refused = refused_.size();
+        if (auto error = glue()) {
+          if (error->code != ErrorCode::unsolved || torn_) return *error;
+          failure->exhausted = all && round == 0 && !cut_short_ && !in_doubt_;
+          break;
+        }
+        if (refused_.size() == refused) return std::move(out_);
       }
-      if (refused_.size() == refused) return std::move(out_);
+      if (!all) widen();
     }
     return *failure;
   }
 
  private:
   using Edge = std::pair<Index, Index>;  // of the input, smaller vertex first
+
+  // One more ring of faces.
+  void widen() {
+    std::set<Index> wider = near_;
+    for (Index f = 0; f < surface_.F.rows(); ++f) {
+      const auto face = surface_.F.row(f);
+      if (near_.count(face[0]) || near_.count(face[1]) || near_.count(face[2]))
+        wider.insert({face[0], face[1], face[2]});
+    }
+    near_ = std::move(wider);
+  }
 
   void reset() {
     for (Facet& f : out_.facets) f.region = -1, f.flipped = false, f.slots = -1;
@@ -70,7 +96,8 @@ class Assigner {
       torn_ = true;
       return error;
     }
-    SheetSearch search(out_.regions, out_.winding, puzzle_, context_);
+    SheetSearch search(out_.regions, out_.winding, puzzle_, context_,
+                       near_.empty() ? SheetSearch::kMostNodes : kMostNodesNear);
     const bool found = search.solve();
     cut_short_ = cut_short_ || search.cut_short();
     out_.search_nodes += search.nodes();
@@ -271,6 +298,8 @@ class Assigner {
       (surrounded ? doubtful : uncovered).insert(over);
     }
     for (const Edge& edge : excluded) covered.erase(edge);
+    if (!near_.empty())
+      std::erase_if(covered, [&](const Edge& e) { return !near_.count(e.first) && !near_.count(e.second); });
     in_doubt_ = std::any_of(doubtful.begin(), doubtful.end(),
                             [&](const Edge& edge) { return uncovered.count(edge) == 0; });
     return std::nullopt;
@@ -411,6 +440,7 @@ class Assigner {
   bool cut_short_ = false;     // a search has not seen everything
   bool in_doubt_ = false;      // an edge that might be wound does not take part in the search
   std::set<Edge> refused_;
+  std::set<Index> near_;  // vertices at which edges may be wound; none: all
   std::map<Edge, std::vector<std::pair<std::size_t, std::size_t>>> free_groups_;
   Sheets out_;
   std::vector<Triple> corners_;  // per facet, in the orientation of its arrangement triangle

@@ -134,6 +134,25 @@ TEST(HingeKinds, AreFoundWithoutWoundEdges) {
     }
 }
 
+// Where the wound edges given are wrong, those around them are tried first: with all edges in the search, it
+// may take minutes.
+TEST(HingeKinds, WrongWoundEdgesArePutRightNearby) {
+  const Stairs s = spiral_stairs({.turns = 1.4, .edges = 8, .bend = 0.1});
+  const Diagnosis d = test::diagnosed(s.surface);
+  const auto free = immerse(s.surface, d.pairs, {}, {}, {});
+  ASSERT_TRUE(free.ok()) << free.error().message;
+  ASSERT_EQ(d.wound.edges.size(), 8u);
+  for (const std::size_t known : {1, 6, 8}) {
+    SCOPED_TRACE(known);
+    std::vector<WoundEdge> wrong(d.wound.edges.begin(), d.wound.edges.begin() + known);
+    if (known == 8) wrong[3].k = 2;
+    const auto r = immerse(s.surface, d.pairs, wrong, {}, {});
+    ASSERT_TRUE(r.ok()) << r.error().message;
+    EXPECT_EQ(test::check(s.surface, r.value().mesh), "");
+    if (known > 1) EXPECT_LT(r.value().regions, free.value().regions);
+  }
+}
+
 // Hinges inside another overlap: a ball around them adds a layer, to the winding and to what covers them.
 TEST(HingeKinds, InsideOtherParts) {
   for (const double turns : {1.4, 2.3}) {
