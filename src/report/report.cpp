@@ -42,6 +42,7 @@ Json json_of(const WitnessRecord& w) {
       j["vertices"] = w.vertices;
       j["B0"] = w.B0;
       j["positions"] = w.positions;
+      if (w.apart) j["apart"] = *w.apart;
       return j;
     case WitnessRecord::Rule::stack:
       j["face"] = w.face;

@@ -49,6 +49,7 @@ struct WitnessRecord {
   std::vector<std::array<Index, 2>> pairs;       // faces that cross,
   std::vector<int> layers;                       // where so many sheets lie in front of both
   std::vector<std::array<Index, 2>> edges;       // by their vertices
+  std::optional<std::array<int, 3>> apart;       // the direction in which the vertices' component moves
 };
 const char* name_of(WitnessRecord::Rule rule);  // as in the report
 

@@ -5,6 +5,8 @@
 #include <chrono>
 #include <cstdio>
 
+#include "src/surface/apart.h"
+
 namespace overtet {
 
 namespace {
@@ -246,6 +248,11 @@ Result<Diagnosis> diagnose(const Surface& surface, const DiagnoseOptions& option
       auto wound = assign_wound_edges(surface, topology, *bvh, d.hinges, d.pierced_edges, context);
       if (!wound.ok()) return wound.error();
       d.wound = std::move(wound).value();
+      if (!d.wound.forbidden()) {
+        auto apart = find_apart(surface, topology, d.hinges, context);
+        if (!apart.ok()) return apart.error();
+        if (apart.value()) d.wound = std::move(*apart.value());
+      }
     }
   }
   decide(d);

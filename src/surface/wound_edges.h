@@ -13,6 +13,8 @@
 // ones left, so that every result given as complete satisfies all equations (they are checked at the end).
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,6 +49,13 @@ struct WoundEdges {
   // polygon as boundary, with the layers that the winding numbers give, turning at every edge as often as the
   // edge has room for all along. As much of a proof. Sorted.
   std::vector<Index> unfillable;
+  // Where what forbids a mesh is what forbids one of its component alone, moved from the others by as little
+  // as you like in this direction (apart.h); B0 is that of the component alone, of each vertex named.
+  struct Apart {
+    std::array<int, 3> direction{};
+    std::vector<int> B0;
+  };
+  std::optional<Apart> apart;
   std::string explanation;  // one sentence when there are any unmet
   bool complete() const { return unmet.empty(); }
   bool forbidden() const { return !odd_groups.empty() || !crowded.empty() || !unfillable.empty(); }
