@@ -281,11 +281,12 @@ Result<std::optional<WoundEdges>> find_apart(const Surface& surface, const Surfa
     if (!h.B0) components.insert(topology.component_of_face[half_edge_face(topology.out[h.vertex])]);
   for (const Index c : components) {
     if (auto stop = context.stop()) return *stop;
-    const Component own = part_of(surface, topology, c, true), others = part_of(surface, topology, c, false);
+    const Component own = part_of(surface, topology, c, true);
     const Study study(own.surface);
     const Result<WoundEdges> wound = study.wound(context);
     if (!wound.ok()) return wound.error();
     if (!wound.value().forbidden()) continue;
+    const Component others = part_of(surface, topology, c, false);
     const Rest rest(others.surface);
     const auto first_of = [&](Index vertex, const auto& fits) -> std::optional<Direction> {
       for (const Direction& d : directions(study, vertex)) {
