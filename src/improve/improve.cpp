@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <functional>
 #include <numeric>
 
 #include "kernels/parallel/parallel.h"
@@ -158,19 +157,6 @@ double worst_quality(const TetMesh& mesh) {
       [](double x, double y) { return std::min(x, y); });
 }
 
-double bad_share(const TetMesh& mesh, const ImproveOptions& options) {
-  const double target = sine_of(options.target_degrees);
-  const std::int64_t bad = parallel_reduce(
-      mesh.T.rows(), kGrain, std::int64_t{0},
-      [&](std::int64_t begin, std::int64_t end) {
-        std::int64_t n = 0;
-        for (Index t = static_cast<Index>(begin); t < end; ++t) n += quality(mesh, t) < target;
-        return n;
-      },
-      std::plus<>());
-  return static_cast<double>(bad) / static_cast<double>(std::max<Eigen::Index>(1, mesh.T.rows()));
-}
-
 // Corners of the tets at shared vertices that are still to be worked on.
 std::vector<char> unfinished(const TetMesh& mesh, std::span<const char> shared, Work what,
                              const ImproveOptions& options) {
@@ -285,13 +271,15 @@ Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, cons
   const auto rounds = [&](Work what) {
     std::vector<Index> chosen(static_cast<std::size_t>(mesh.T.rows()));
     std::iota(chosen.begin(), chosen.end(), 0);
+    std::vector<int> weight = weights(mesh, chosen, what, options);
     std::vector<char> fresh;
     bool mostly_bad = false;
     int count = 1;
     if (what == Work::refine) count = kRefineParts;
     if (what == Work::passes) {
       count = parts_for(chosen.size(), options.tets_per_part);
-      mostly_bad = !(bad_share(mesh, options) < kMostlyBad);
+      const auto bad = static_cast<double>(std::count(weight.begin(), weight.end(), kBadTetWeight));
+      mostly_bad = bad >= kMostlyBad * static_cast<double>(chosen.size());
       if (!mostly_bad) count = std::max(kLeastParts, count);
     }
     const double slack = count == kRefineParts ? kSlackForTwo : kSlack;
@@ -301,7 +289,6 @@ Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, cons
                      : result.rounds.size() < 3 ? 0.3
                                                 : 0.8,
                      std::to_string(chosen.size()) + " tets in " + std::to_string(count) + " parts");
-      const std::vector<int> weight = weights(mesh, chosen, what, options);
       const bool last = count == 1;
       // Nothing is cut any more, but in the passes what does not hang together is shared out.
       if (last && what == Work::passes && !fresh.empty() && !mostly_bad) count = pieces_for(chosen.size());
@@ -317,6 +304,7 @@ Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, cons
       // Fewer, so that the cuts are not where they were before.
       count = std::min(count, parts_for(chosen.size(), kTetsAroundCuts)) / 2 + 1;
       if (what == Work::refine || count == 2) count = 1;
+      weight = weights(mesh, chosen, what, options);
     }
   };
   const bool cut = parts_for(static_cast<std::size_t>(mesh.T.rows()), options.tets_per_part) > 1;

@@ -4,7 +4,6 @@
 #include <array>
 #include <atomic>
 #include <random>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -40,14 +39,13 @@ constexpr double kMayFallTo = 0.2;
 constexpr std::int64_t kDear = 40, kTetsPerDear = 2000;
 constexpr int kDearPerChange = 3;
 constexpr int kMostMends = 60;  // after one change
-// Of successes, in the same way; and how many tets of a region may resist.
+// Of successes, in the same way.
 constexpr std::int64_t kLifts = 60, kTetsPerLift = 150, kMostLifts = 500;
-constexpr int kMostFailures = 3;
 // Changes that are tried at the same time.
 constexpr std::int64_t kTrials = 8;
 // Where no change helps: walks of several chosen at random, each mended; for one tet, and their changes in
 // all, at first and for each so many tets of the mesh, but at most.
-constexpr std::int64_t kWalks = 120, kSteps = 300, kTetsPerStep = 300, kMostSteps = 2000;
+constexpr std::int64_t kWalks = 60, kSteps = 300, kTetsPerStep = 300, kMostSteps = 2000;
 constexpr int kWalkLength = 4, kDraws = 8;
 // A walk mends all tets that are not better than the worst one was by this factor.
 constexpr double kWalkGoal = 2;
@@ -197,9 +195,7 @@ int mend(LocalOperations& work, double need, double goal, int most_dear, const M
     const auto c = mesh.tet(t);
     bool done = false;
     for (const auto& [i, j] : kEdges)
-      if (!done && !(work.fixed(c[i]) && work.fixed(c[j]) && mesh.edge_on_boundary(c[i], c[j])) &&
-          work.remove_edge(t, c[i], c[j]))
-        done = changed();
+      if (!done && work.remove_edge(t, c[i], c[j])) done = changed();
     for (int k = 0; k < 4 && !done; ++k)
       if (work.flip_23(t, k)) done = changed();
     if (done) continue;
@@ -344,36 +340,30 @@ bool lift(TetMesh& region, std::span<const char> kind, Index t, double target, i
   return true;
 }
 
-// The worst tet below `below` again and again. See lift() for kind; resisted: becomes the quality of a tet
-// that did not get better, where that is less.
+// The worst tet below `below` again and again, until one resists: others that get better do not lift the
+// least angle then. See lift() for kind; resisted: becomes the quality of that tet, where that is less.
 int lift_region(TetMesh& region, std::span<const char> kind, double below, double target, int layers,
                 Effort& left, double& resisted, const RunContext& context) {
   const auto at_rim = [&](const Corners& c) {
     return std::any_of(c.begin(), c.end(),
                        [&](Index v) { return v < static_cast<Index>(kind.size()) && kind[v] != 0; });
   };
-  std::set<Corners> tried;
   int lifts = 0;
-  while (static_cast<int>(tried.size()) < kMostFailures && left.lifts > 0 && left.steps > 0) {
-    if (context.stop()) break;
+  while (left.lifts > 0 && left.steps > 0 && !context.stop()) {
     Index worst = -1;
     double least = below;
     for (Index t = 0; t < region.T.rows(); ++t)
-      if (const double q = quality(region, t); q < least) {
-        const Corners c = corners_of(region, t);
-        if (tried.count(c) || at_rim(c)) continue;
+      if (const double q = quality(region, t); q < least && !at_rim(corners_of(region, t))) {
         least = q;
         worst = t;
       }
     if (worst < 0) break;
-    const Corners corners = corners_of(region, worst);
-    if (lift(region, kind, worst, target, layers, left)) {
-      ++lifts;
-      --left.lifts;
-    } else {
-      tried.insert(corners);
+    if (!lift(region, kind, worst, target, layers, left)) {
       resisted = std::min(resisted, least);
+      break;
     }
+    ++lifts;
+    --left.lifts;
   }
   return lifts;
 }

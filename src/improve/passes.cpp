@@ -126,7 +126,6 @@ PassesResult improve_passes(LocalOperations& work, std::span<const char> fresh, 
       bool done = false;
       for (const auto& e : kEdges) {
         if (done) break;
-        if (work.fixed(c[e[0]]) && work.fixed(c[e[1]]) && mesh.edge_on_boundary(c[e[0]], c[e[1]])) continue;
         if (work.remove_edge(b.tet, c[e[0]], c[e[1]])) {
           ++record.removed_edges;
           done = touch();
@@ -159,12 +158,9 @@ PassesResult improve_passes(LocalOperations& work, std::span<const char> fresh, 
         }
         if (!done && strong && options.insert_vertices && work.quality(b.tet) < insert_below &&
             mesh.tet_count() < most_tets) {
-          for (const auto& e : kEdges)
-            if (!done && work.insert_at_edge(b.tet, c[e[0]], c[e[1]], gains.insert)) done = true;
-          if (!done) done = work.insert_at_tet(b.tet, gains.insert);
-          if (done) {
+          if (work.insert_around(b.tet, gains.insert)) {
             ++record.inserted;
-            touch();
+            done = touch();
           }
         }
       }

@@ -19,8 +19,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kMostGrowth = 10;
 // insert_near(): a cavity for less first, so that the vertex finds its place.
 constexpr double kPartsOfNeed[] = {0.3, 0.7, 1};
-constexpr std::size_t kLargestCavity = 60;
-constexpr int kLayersAround = 2;  // where insert_around() starts: tets so many faces away
+// Larger ones seldom have a place for a vertex that makes good tets with all of their faces.
+constexpr std::size_t kLargestCavity = 20;
 constexpr std::size_t kLargestDelaunayCavity = 20000;
 // A direction that passes an edge in a smaller angle (radians, about) may belong to either side.
 constexpr double kNearAnEdge = 1e-10;
@@ -191,19 +191,12 @@ bool LocalOperations::insert_around(Index t, double gain) {
     const auto& c = mesh_.tet(u);
     return (mesh_.position(c[0]) + mesh_.position(c[1]) + mesh_.position(c[2]) + mesh_.position(c[3])) / 4;
   };
-  const Vector3d here = middle(t);
-  Tets near{t};
-  for (int layer = 0; layer < kLayersAround; ++layer)
-    for (std::size_t i = 0, n = near.size(); i < n; ++i)
-      for (int k = 0; k < 4; ++k)
-        if (const Index u = mesh_.neighbour(near[i], k);
-            u >= 0 && std::find(near.begin(), near.end(), u) == near.end())
-          near.push_back(u);
-  std::vector<Vector3d> starts;
-  for (const Index u : near) {
-    starts.push_back(middle(u));
-    starts.push_back((here + middle(u)) / 2);
-  }
+  std::vector<Vector3d> starts{middle(t)};
+  for (int k = 0; k < 4; ++k)
+    if (const Index u = mesh_.neighbour(t, k); u >= 0) starts.push_back(middle(u));
+  const auto& c = mesh_.tet(t);
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < i; ++j) starts.push_back((mesh_.position(c[i]) + mesh_.position(c[j])) / 2);
   return std::any_of(starts.begin(), starts.end(),
                      [&](const Vector3d& x) { return insert_near(t, x, gain); });
 }

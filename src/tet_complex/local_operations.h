@@ -77,7 +77,8 @@ class LocalOperations {
   bool insert_at_edge(Index t, Index a, Index b, double gain = 1.001);
   bool insert_at_tet(Index t, double gain = 1.001);
   // The same with a cavity that is found the other way round: from where the vertex is to be (start), all
-  // around t that makes no better tet with it goes. Around: starts in and towards the tets around t.
+  // around t that makes no better tet with it goes. Around: starts in
+  // t, in the tets beside it and halfway along its edges.
   bool insert_near(Index t, const Eigen::Vector3d& start, double gain = 1.001);
   bool insert_around(Index t, double gain = 1.001);
   // The best tets (polyhedron.h) for the star of a free corner of t, which may be left out of them, or else
