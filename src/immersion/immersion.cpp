@@ -79,6 +79,7 @@ Result<ImmersionResult> attempt(const Surface& surface, const std::vector<FacePa
   TetgenOptions tetgen;
   tetgen.quality = options.radius_edge > 0 && worth_refining(surface.V, surface.F);
   if (tetgen.quality) tetgen.radius_edge = options.radius_edge;
+  tetgen.patience = options.patience;
   tetgen.accept_split = true;  // added points leave the boundary like those of the arrangement
   if (delaunay.points() != out.arrangement.input_positions) delaunay = {};  // vertices in one place
   Result<TetgenResult> tets = tetrahedralize_stubbornly(plc, tetgen, context, std::move(delaunay));

@@ -28,6 +28,7 @@ namespace overtet {
 struct ImmersionOptions {
   // Circumradius over shortest edge, where TetGen needs points inside (the quality pass makes them faster).
   double radius_edge = 2.0;
+  double patience = 1;  // with TetGen; src/tetgen/tetgen.h
 
   Status validate() const;
 };

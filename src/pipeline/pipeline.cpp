@@ -30,6 +30,9 @@ namespace overtet {
 
 namespace {
 
+// With TetGen, for what a repair can do without: its flips nearly always end in less.
+constexpr double kLuxuryPatience = 0.1;
+
 double seconds_since(RunContext::Clock::time_point start) {
   return std::chrono::duration<double>(RunContext::Clock::now() - start).count();
 }
@@ -60,10 +63,12 @@ class Hash {
 class Run {
  public:
   // repaired: `input` has been repaired, so that what is wrong with it may be repaired again.
+  // patience: with TetGen.
   Run(const Surface& input, bool repaired, const PipelineOptions& options, const RunContext& context,
-      PipelineResult& result)
+      PipelineResult& result, double patience = 1)
       : input_(input),
         repaired_(repaired),
+        patience_(patience),
         options_(options),
         context_(context),
         result_(result),
@@ -98,6 +103,7 @@ class Run {
 
   const Surface& input_;
   const bool repaired_;
+  const double patience_;
   const PipelineOptions& options_;
   const RunContext& context_;
   PipelineResult& result_;
@@ -259,6 +265,7 @@ Result<TetMesh> Run::mesh_immersed() {
   return stage("immersion", [&](StageRecord& record) -> Result<TetMesh> {
     const Diagnosis& d = found_.diagnosis;
     ImmersionOptions options;
+    options.patience = patience_;
     Result<ImmersionResult> r = immerse(surface_, d.pairs, d.wound.edges, options, context_);
     if (!r) {
       Error error = in_input_space(r.error());
@@ -418,9 +425,9 @@ Status run_repairing(const Surface& surface, const PipelineOptions& options, con
   PipelineOptions to_pull = options, as_it_is = options;
   to_pull.improve_degrees = PipelineOptions().improve_degrees;
   as_it_is.improve_degrees = 0;
-  const auto mesh_of = [&](const Surface& moved) {
+  const auto mesh_of = [&](const Surface& moved, bool a_luxury) {
     MeshAttempt attempt;
-    Run run(moved, true, to_pull, context, result);
+    Run run(moved, true, to_pull, context, result, a_luxury ? kLuxuryPatience : 1);
     attempt.done = run.go();
     attempt.unglued = run.unglued();
     attempt.mesh = std::move(result.mesh);

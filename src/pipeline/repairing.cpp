@@ -59,6 +59,7 @@ class Repairing {
           reach == Reach::flowed ? flow_away() : move_away(reach, unglued);
       if (!away) return away.error();
       if (!away.value()) continue;
+      found_mesh_ = true;
       RepairedMesh best = std::move(*away.value());
       Result<std::optional<RepairedMesh>> back = pull_back(best, reach);
       if (!back) return back.error();
@@ -111,7 +112,7 @@ class Repairing {
       route_.context.note(LogLevel::info, "Repair: " + flowed.error().message);
       return std::optional<RepairedMesh>();
     }
-    MeshAttempt attempt = route_.mesh({std::move(flowed.value().V), route_.surface.F});
+    MeshAttempt attempt = route_.mesh({std::move(flowed.value().V), route_.surface.F}, false);
     if (attempt.done) return std::optional(measured(std::move(attempt.mesh)));
     if (!repairable(attempt.done.error())) return attempt.done.error();
     return std::optional<RepairedMesh>();
@@ -150,7 +151,7 @@ class Repairing {
       if (fixed.value().moved.empty()) return std::optional<RepairedMesh>();
       if (reach == Reach::far) found_surface_ = true;
       options.earlier = fixed.value().memory;
-      MeshAttempt attempt = route_.mesh(fixed.value().surface);
+      MeshAttempt attempt = route_.mesh(fixed.value().surface, found_mesh_);
       if (attempt.done) return std::optional(measured(std::move(attempt.mesh)));
       if (!repairable(attempt.done.error())) return attempt.done.error();  // the time is up, and the like
       unglued = attempt.unglued;
@@ -165,8 +166,10 @@ class Repairing {
 
   // None: it cannot be pulled. slowly: measured: fewer rings and a force that grows faster cost a third and
   // end as near, but not after moves that went far.
-  Result<std::optional<RepairedMesh>> pull(const RepairedMesh& from, bool slowly, double largest_move) {
+  Result<std::optional<RepairedMesh>> pull(const RepairedMesh& from, bool slowly, double largest_move,
+                                           bool spread_first = false) {
     VolumeMapOptions options;
+    options.spread_first = spread_first;
     options.refinements = 0;
     if (!slowly) {
       options.interior_rings = 2;
@@ -256,7 +259,7 @@ class Repairing {
     if (!fresh.value()) return std::optional<RepairedMesh>();
     const double allowed = route_.max_move, most = best.max_relative;
     const double aim = most > allowed ? std::max(kNearer * most, kWithin * allowed) : allowed;
-    return pull(*fresh.value(), idle >= 2, aim);
+    return pull(*fresh.value(), idle >= 2, aim, most > allowed);
   }
 
   // What the diagnosis alone lets go home, straight; where that has a mesh.
@@ -278,7 +281,7 @@ class Repairing {
         });
     if (!less) return less.error();
     if (!less.value().lessened) return success();
-    MeshAttempt attempt = route_.mesh({std::move(less.value().V), route_.surface.F});
+    MeshAttempt attempt = route_.mesh({std::move(less.value().V), route_.surface.F}, true);
     if (!attempt.done) return repairable(attempt.done.error()) ? success() : attempt.done;
     RepairedMesh other = measured(std::move(attempt.mesh));
     if (cost(other) < cost(best)) best = std::move(other);
@@ -290,7 +293,7 @@ class Repairing {
     if (!mesh.pulled) return std::optional(mesh);
     MeshAttempt attempt;
     if (anew) {
-      attempt = route_.mesh(mesh.surface);
+      attempt = route_.mesh(mesh.surface, true);
       if (!attempt.done && !repairable(attempt.done.error())) return attempt.done.error();
     }
     if (!anew || !attempt.done) {
@@ -338,6 +341,7 @@ class Repairing {
   const Error& first_;
   double diagonal_ = 0;
   bool found_surface_ = false;  // to which nothing objects, far away
+  bool found_mesh_ = false;     // of a surface that went too far: others are tried, but not at any price
   double work_ = 0;             // of the rounds of moving less
 };
 

@@ -38,7 +38,8 @@ struct RepairRoute {
   double max_move;  // relative to the diagonal of the bounding box
   const RunContext& context;
   std::vector<StageRecord>& records;
-  std::function<MeshAttempt(const Surface&)> mesh;
+  // a_luxury: there is a mesh of another repaired surface, so that none is worth waiting for.
+  std::function<MeshAttempt(const Surface&, bool a_luxury)> mesh;
   std::function<MeshAttempt(const Surface&, TetMesh)> improve;  // a mesh of the surface that there is already
 };
 

@@ -71,7 +71,7 @@ class Child {
     }
   }
 
-  Status start(Eigen::Index facets, const RunContext& context) {
+  Status start(double patience, const RunContext& context) {
     const std::string program = child_program();
     if (program.empty())
       return Error{ErrorCode::internal,
@@ -89,7 +89,7 @@ class Child {
       memory = context.memory_limit_bytes > used ? context.memory_limit_bytes - used : 1;
       memory = std::max<unsigned long long>(memory, 16ull << 20);
     }
-    const auto cpu = static_cast<unsigned long long>(std::min(context.seconds_left(), patience(facets))) + 2;
+    const auto cpu = static_cast<unsigned long long>(std::min(context.seconds_left(), patience)) + 2;
     std::string pid = std::to_string(getpid()), mem = std::to_string(memory), sec = std::to_string(cpu);
     std::string name = "overtet-tetgen";
     char* argv[] = {name.data(), pid.data(), mem.data(), sec.data(), nullptr};
@@ -274,6 +274,7 @@ Status TetgenOptions::validate() const {
     return Error{ErrorCode::usage, "The radius-edge bound must lie between 1.1 and 100."};
   if (!(tolerance >= 0 && tolerance <= 1e-3))
     return Error{ErrorCode::usage, "TetGen's tolerance must lie between 0 and 1e-3."};
+  if (!(patience > 0)) return Error{ErrorCode::usage, "The patience with TetGen must be positive."};
   return success();
 }
 
@@ -296,7 +297,8 @@ Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options
   const VertexMatrix holes = scaled(plc.holes, -exponent);
 
   Child child;
-  if (auto status = child.start(plc.F.rows(), context); !status.ok()) return status.error();
+  if (auto status = child.start(options.patience * patience(plc.F.rows()), context); !status.ok())
+    return status.error();
 
   Request request;
   request.quality = options.quality;

@@ -21,6 +21,24 @@ constexpr std::int64_t kGrain = 256;      // tets
 constexpr std::size_t kBuffered = 8192;   // tets whose Hessians are made at a time
 constexpr double kTetWork = 100;          // of a tet in a step, in entries of a factor
 constexpr double kRegularization = 1e-9;  // of the Hessian's diagonal
+// At the reach the pull is so much stronger than in proportion; and so much at most. It grows with this power
+// of the squared distance.
+constexpr double kFarPull = 10, kMostFarPull = 1e4;
+constexpr int kFarPower = 8;
+
+// What a squared distance costs, and its first two derivatives by the squared distance.
+struct Potential {
+  double value, slope, bend;
+};
+
+Potential potential(double squared, double reach) {
+  if (!(reach > 0)) return {squared, 1, 0};
+  static const double most = std::pow(kMostFarPull / kFarPull, 1.0 / kFarPower);
+  const double unit = reach * reach, r = squared / unit, q = std::min(r, most);
+  const double far = kFarPull * std::pow(q, kFarPower), slope = 1 + far;
+  return {unit * (q + far * q / (kFarPower + 1) + slope * (r - q)), slope,
+          r < most ? kFarPower * far / (q > 0 ? q : 1) / unit : 0};
+}
 
 }  // namespace
 
@@ -134,7 +152,6 @@ std::vector<double> PatchNewton::weights(const PatchForces& forces) const {
     const Index v = patch_.free[i];
     if (v >= target_.rows()) continue;
     w[i] = forces.pull / (length_[v] * length_[v]);
-    if (forces.weight) w[i] *= forces.weight((at_[i] - target_.row(v).transpose()).norm());
   }
   return w;
 }
@@ -154,7 +171,9 @@ double PatchNewton::energy_at(const PatchForces& forces, const std::vector<doubl
       },
       [](double a, double b) { return a + b; });
   for (Index i = 0; i < free_; ++i)
-    if (weights[i] > 0) sum += weights[i] * (at[i] - target_.row(patch_.free[i]).transpose()).squaredNorm();
+    if (weights[i] > 0)
+      sum += weights[i] *
+             potential((at[i] - target_.row(patch_.free[i]).transpose()).squaredNorm(), forces.reach).value;
   if (forces.angle_weight > 0)
     for (const Ring& ring : rings_) {
       double angle = 0;
@@ -279,9 +298,11 @@ double PatchNewton::assemble(const PatchForces& forces, const std::vector<double
   for (Index i = 0; i < free_; ++i) {
     if (!(weights[i] > 0)) continue;
     const Vector3d d = at_[i] - target_.row(patch_.free[i]).transpose();
-    energy += weights[i] * d.squaredNorm();
-    gradient_.segment<3>(3 * i) += 2 * weights[i] * d;
-    put(i, i, [&](int r, int s) { return r == s ? 2 * weights[i] : 0; });
+    const Potential p = potential(d.squaredNorm(), forces.reach);
+    energy += weights[i] * p.value;
+    gradient_.segment<3>(3 * i) += 2 * weights[i] * p.slope * d;
+    put(i, i,
+        [&](int r, int s) { return weights[i] * ((r == s ? 2 * p.slope : 0) + 4 * p.bend * d[r] * d[s]); });
   }
   if (forces.angle_weight > 0)
     for (const Ring& ring : rings_) {

@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <functional>
 #include <memory>
 #include <vector>
 
@@ -40,8 +39,9 @@ double interior_angle(const TetComplex& mesh, Index a, Index b);
 
 struct PatchForces {
   double pull = 0;  // of free boundary vertices to the target, relative to the shape energy of a tet
-  // How much more a vertex so far from its target counts; null: all 1. Called from several threads.
-  std::function<double(double distance)> weight;
+  // > 0: vertices about as far from their targets as this, and further, are pulled more than in proportion
+  // to the distance: a potential with its own Hessian, so that steps do not overshoot.
+  double reach = 0;
   double angle_weight = 0;
 };
 

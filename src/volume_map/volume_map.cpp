@@ -32,9 +32,8 @@ constexpr std::size_t kLargestPatch = 30000;
 // In mean edges.
 constexpr double kSnapReach = 0.5, kFar = 1;
 constexpr int kNewtonSteps = 4;
-// Spreading: the part of what is allowed that is aimed at; the first force; how much more those that are
-// there count than those at home; rings that may move.
-constexpr double kWithin = 0.95, kSpreadPull = 3, kSpreadWeight = 10, kMostSpreadWeight = 1e4;
+// Spreading: the part of what is allowed that is aimed at; the first force; rings that may move.
+constexpr double kWithin = 0.95, kSpreadPull = 3;
 constexpr int kSpreadRings = 8;
 // Spreading ends when, going on as in the last so many rounds, it would not come to what is allowed.
 constexpr std::size_t kSpreadCourse = 8;
@@ -109,7 +108,9 @@ class Mapper {
   }
 
   Result<VolumeMapResult> run() {
-    Status pulled = pull();
+    Status pulled = spread_at_once();
+    if (!pulled) return pulled.error();
+    if (!near_enough_) pulled = pull();
     if (!pulled && pulled.error().code == ErrorCode::unsolved && options_.largest_move > 0)
       pulled = make_do();
     if (!pulled) {
@@ -416,7 +417,25 @@ class Mapper {
       }
       if (hopeless) break;
     }
+    if (nearest_.vertex_count() > 0 && far > options_.largest_move) {
+      mesh_ = std::move(nearest_);
+      if (better_than(count, far)) return success();
+    }
     mesh_ = std::move(best);
+    return success();
+  }
+
+  // The way home and back may be lost: what is a little too far is brought nearer from where it is.
+  Status spread_at_once() {
+    if (!(options_.spread_first && farthest_move() > options_.largest_move)) return success();
+    const TetComplex start = mesh_;
+    bool hopeless = false;
+    if (Status s = spread(hopeless); !s) return s;
+    near_enough_ = farthest_move() <= options_.largest_move;
+    if (near_enough_)
+      bring_home();
+    else
+      nearest_ = std::move(mesh_), mesh_ = start;
     return success();
   }
 
@@ -429,9 +448,7 @@ class Mapper {
     TetComplex best = mesh_;
     double best_move = farthest_move(), last = best_move, force = kSpreadPull;
     PatchForces forces;
-    forces.weight = [limit](double distance) {
-      return 1 + std::min(kSpreadWeight * std::pow(distance / limit, 6), kMostSpreadWeight);
-    };
+    forces.reach = limit;
     std::vector<double> course;  // of best_move
     int stalled = 0, rings = kSpreadRings;
     for (int round = 0; round < options_.spread_rounds && best_move > options_.largest_move; ++round) {
@@ -498,6 +515,8 @@ class Mapper {
   std::vector<int> near_wound_;  // per surface vertex: rings from a wound edge, a large number beyond
   VolumeMapResult result_;
   TetComplex before_locking_;  // a state of the pull with healthy tets
+  TetComplex nearest_;         // what spreading has made of the start, where that is still too far
+  bool near_enough_ = false;   // it is not
 };
 
 }  // namespace

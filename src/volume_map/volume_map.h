@@ -54,6 +54,9 @@ struct VolumeMapOptions {
   // > 0: places that cannot be reached are no error. The boundary ends near them, with few vertices away from
   // their places, and none further away than this, if that can be; infinite: as few as can be.
   double largest_move = 0;
+  // What is further away than largest_move is brought nearer, at the cost of others, before anything is
+  // pulled home; where that does, nothing is pulled.
+  bool spread_first = false;
   // Called when the map locks, before the error is returned: the mesh as it is, every tet positive, and the
   // boundary vertices that did not reach their places.
   std::function<void(const TetMesh& mesh, const std::vector<Index>& away)> on_locked;

@@ -279,6 +279,28 @@ TEST(VolumeMap, PatchStepsGoDownAndStayPositive) {
     ++steps;
   }
   EXPECT_GT(steps, 3);
+
+  // With a reach every step still descends, and the farthest ends nearer.
+  const TetComplex start(sorted.V, sorted.T);
+  patches[0].goals.clear();
+  const auto farthest = [&](double reach) {
+    PatchForces pull;
+    pull.pull = 0.1;
+    pull.reach = reach;
+    PatchNewton steps_back(start, patches[0], target, length);
+    double before = steps_back.energy(pull);
+    for (int i = 0; i < 60 && steps_back.step(pull); ++i) {
+      EXPECT_LE(steps_back.energy(pull), before);
+      before = steps_back.energy(pull);
+    }
+    const std::vector<Eigen::Vector3d> to = steps_back.positions();
+    double most = 0;
+    for (std::size_t i = 0; i < to.size(); ++i)
+      if (const Index v = patches[0].free[i]; v < nb)
+        most = std::max(most, (to[i] - target.row(v).transpose()).norm());
+    return most;
+  };
+  EXPECT_LT(farthest(0.2), 0.9 * farthest(0));
 }
 
 // What winds an edge: its angle, summed over its tets, is driven past a full turn.
