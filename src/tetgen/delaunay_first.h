@@ -19,6 +19,7 @@ struct DelaunayFirstOptions {
   // If TetGen would get more facets and walls of cavities than this share of all facets, it may as well do
   // all of them.
   double most_left = 0.5;
+  double patience = 1;  // as TetgenOptions'
 };
 
 // What tetrahedralize() with keep_facets, accept_split and without quality promises, for the same input. The

@@ -82,7 +82,7 @@ class Halving {
 // outside.
 class Parts {
  public:
-  Parts(const DelaunayMatch& match, Index facets_per_part, const RunContext& context)
+  Parts(const DelaunayMatch& match, Index facets_per_part, double patience, const RunContext& context)
       : match_(match),
         plc_(match.plc),
         tet_(match.tet),
@@ -90,6 +90,7 @@ class Parts {
         facet_on_(match.facet_on),
         facets_(match.facets),
         per_part_(facets_per_part),
+        patience_(patience),
         context_(context) {}
 
   Result<TetgenResult> run();
@@ -145,6 +146,7 @@ class Parts {
   const RawVector<Tet>&tet_, &next_, &facet_on_;
   const std::vector<Triple>& facets_;
   const Index per_part_;
+  const double patience_;
   const RunContext& context_;
   std::vector<Index> clump_of_;            // per tet: tets that missing facets join, or -1
   std::vector<Eigen::Vector3d> clump_at_;  // per clump
@@ -287,6 +289,7 @@ void Parts::mesh(Part& part) const {
   options.quality = false;
   options.accept_split = true;
   options.accept_unused = true;
+  options.patience = patience_;
   Result<TetgenResult> result = part.stubborn ? tetrahedralize_shuffled(plc, options, context_)
                                               : tetrahedralize(plc, options, context_);
   if (!result) {
@@ -435,11 +438,12 @@ Result<TetgenResult> Parts::join() const {
 
 }  // namespace
 
-Result<TetgenResult> mesh_in_parts(DelaunayMatch& match, Index facets_per_part, const RunContext& context) {
+Result<TetgenResult> mesh_in_parts(DelaunayMatch& match, Index facets_per_part, double patience,
+                                   const RunContext& context) {
   match.find_crossed_tets();
   if (match.crossed.size() > kMostCrossed * match.missing.size())
     return unsolved("Missing facets pass through too many tets.");
-  return Parts(match, facets_per_part, context).run();
+  return Parts(match, facets_per_part, patience, context).run();
 }
 
 }  // namespace overtet

@@ -33,10 +33,6 @@ constexpr double kNeedle = 1e-4;
 // Around 4 is usual.
 constexpr double kCrowd = 4.5;
 
-// Where more facets than this crowd, they leave no room for points: TetGen looks for it for a minute, finds a
-// few hundred places, and the quality pass gains little by them.
-constexpr Eigen::Index kMostRefined = 30'000;
-
 // Axes turned cyclically (which keeps orientations) by `turn`.
 VertexMatrix turned(const VertexMatrix& V, int turn) {
   VertexMatrix out(V.rows(), 3);
@@ -140,13 +136,14 @@ Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptio
   const bool delaunay =
       plc.holes.rows() == 0 && options.keep_facets && options.accept_split && !options.fill_convex_hull;
   const bool large = delaunay && plc.F.rows() >= kLarge;
-  Result<TetgenResult> first = large ? tetrahedralize_delaunay_first(plc, context, {}, std::move(begun))
-                                     : tetrahedralize(plc, plain, context);
+  Result<TetgenResult> first =
+      large ? tetrahedralize_delaunay_first(plc, context, {.patience = options.patience}, std::move(begun))
+            : tetrahedralize(plc, plain, context);
   if (large && !settled(first)) first = tetrahedralize(plc, plain, context);
   if (settled(first)) {
     const bool crowded = first.ok() && static_cast<double>(first.value().T.rows()) >
                                            kCrowd * static_cast<double>(first.value().V.rows());
-    if (!crowded || !options.quality || plc.F.rows() > kMostRefined) return first;
+    if (!crowded || !options.quality) return first;
     Result<TetgenResult> refined = tetrahedralize(plc, options, context);
     return settled(refined) ? std::move(refined) : std::move(first);
   }
@@ -155,8 +152,8 @@ Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptio
       return again;
   if (Result<TetgenResult> again = tetrahedralize_shuffled(plc, plain, context); settled(again)) return again;
   if (delaunay)
-    if (Result<TetgenResult> again =
-            tetrahedralize_delaunay_first(plc, context, {.most_missing = 1, .most_left = 10});
+    if (Result<TetgenResult> again = tetrahedralize_delaunay_first(
+            plc, context, {.most_missing = 1, .most_left = 10, .patience = options.patience});
         settled(again))
       return again;
   if (options.keep_facets && options.accept_split)

@@ -149,7 +149,9 @@ TEST(HingeKinds, WrongWoundEdgesArePutRightNearby) {
     const auto r = immerse(s.surface, d.pairs, wrong, {}, {});
     ASSERT_TRUE(r.ok()) << r.error().message;
     EXPECT_EQ(test::check(s.surface, r.value().mesh), "");
-    if (known > 1) EXPECT_LT(r.value().regions, free.value().regions);
+    if (known > 1) {
+      EXPECT_LT(r.value().regions, free.value().regions);
+    }
   }
 }
 

@@ -17,7 +17,7 @@ namespace {
 Result<TetgenResult> in_parts(const Plc& plc, Index facets_per_part, const RunContext& context = {}) {
   DelaunayMatch match(plc);
   if (auto error = match.run(context)) return *error;
-  return mesh_in_parts(match, facets_per_part, context);
+  return mesh_in_parts(match, facets_per_part, 1, context);
 }
 
 // Sound, really in parts, and the same on any number of threads.
@@ -135,7 +135,7 @@ TEST(Parts, StopWhenAsked) {
   std::atomic<bool> cancel = true;
   RunContext context;
   context.cancel = &cancel;
-  const auto r = mesh_in_parts(match, 1000, context);
+  const auto r = mesh_in_parts(match, 1000, 1, context);
   ASSERT_FALSE(r.ok());
   EXPECT_EQ(r.error().code, ErrorCode::interrupted);
 }
