@@ -145,7 +145,7 @@ class Repairing {
         // Not closed, and the like: what the first look said is better. A stop is a stop.
         const ErrorCode code = fixed.error().code;
         if (code != ErrorCode::infeasible && code != ErrorCode::bad_input) return fixed.error();
-        route_.context.note(LogLevel::warning, "Repair: " + fixed.error().message);
+        route_.context.note(LogLevel::info, "Repair: " + fixed.error().message);
         return std::optional<RepairedMesh>();
       }
       if (fixed.value().moved.empty()) return std::optional<RepairedMesh>();
