@@ -229,6 +229,10 @@ Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, cons
   const double budget = std::min(options.seconds, 0.5 * context.seconds_left());
   RunContext silent = context;
   silent.progress = nullptr;
+  // The mesh is to be checked and written in what time is left.
+  silent.deadline = std::min(
+      context.deadline,
+      begin + std::chrono::duration_cast<RunContext::Clock::duration>(std::chrono::duration<double>(budget)));
 
   ImproveResult result;
   result.before = dihedral_statistics(mesh.V, mesh.T);
@@ -297,7 +301,7 @@ Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, cons
       if (fresh.empty() || (!last && pieces.uneven > kUneven))
         pieces.part_of = cut_apart(mesh, chosen, count, slack, weight);
       fresh = round(what, pieces.part_of, count, chosen, weight, fresh);
-      if (last || context.stop()) return;
+      if (last || silent.stop()) return;
       const auto before = static_cast<double>(chosen.size());
       chosen = around(mesh, unfinished(mesh, fresh, what, options));
       if (static_cast<double>(chosen.size()) > kShrinks * before) return;
@@ -316,7 +320,7 @@ Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, cons
     const std::vector<Index> chosen =
         around(mesh, corners_of(mesh, [&](Index t) { return quality(mesh, t) < sine; }));
     const int count = pieces_for(chosen.size());
-    if (chosen.empty() || context.stop()) return;
+    if (chosen.empty() || silent.stop()) return;
     const std::vector<int> weight = weights(mesh, chosen, what, options);
     round(what, in_pieces(mesh, chosen, count, weight).part_of, count, chosen, weight, {});
   };
@@ -329,7 +333,7 @@ Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, cons
     worst = worst_quality(mesh);
     if (!(worst > kLookPays * before)) break;
   }
-  if (since_begin() < budget) result.lifted = lift_worst(mesh, target, silent);
+  if (!silent.stop()) result.lifted = lift_worst(mesh, target, silent);
   // Lifting has numbered vertices anew, and only refinement asks.
   loose.assign(static_cast<std::size_t>(mesh.V.rows()), 0);
   if (result.lifted > 0) look_at(Work::passes, sine_of(kLookAgain * options.target_degrees));

@@ -320,6 +320,8 @@ TetMesh Run::improved(const TetMesh& mesh) {
     Result<ImproveResult> r = improve(better, options, context_);
     if (!r) return r.error();
     const ImproveResult& x = r.value();
+    if (x.end == ImproveResult::End::time_over)
+      context_.note(LogLevel::warning, "The quality pass ended early: allow more with --time-limit.");
     record.iterations = static_cast<std::int64_t>(x.passes.size());
     ImprovePass all;
     for (const ImprovePass& pass : x.passes) {
