@@ -8,6 +8,7 @@
 #include "kernels/parallel/parallel.h"
 #include "kernels/predicates/predicates.h"
 #include "kernels/tet_energy/tet_energy.h"
+#include "src/volume_map/potential.h"
 
 namespace overtet::volume_map_detail {
 
@@ -21,24 +22,6 @@ constexpr std::int64_t kGrain = 256;      // tets
 constexpr std::size_t kBuffered = 8192;   // tets whose Hessians are made at a time
 constexpr double kTetWork = 100;          // of a tet in a step, in entries of a factor
 constexpr double kRegularization = 1e-9;  // of the Hessian's diagonal
-// At the reach the pull is so much stronger than in proportion; and so much at most. It grows with this power
-// of the squared distance.
-constexpr double kFarPull = 10, kMostFarPull = 1e4;
-constexpr int kFarPower = 8;
-
-// What a squared distance costs, and its first two derivatives by the squared distance.
-struct Potential {
-  double value, slope, bend;
-};
-
-Potential potential(double squared, double reach) {
-  if (!(reach > 0)) return {squared, 1, 0};
-  static const double most = std::pow(kMostFarPull / kFarPull, 1.0 / kFarPower);
-  const double unit = reach * reach, r = squared / unit, q = std::min(r, most);
-  const double far = kFarPull * std::pow(q, kFarPower), slope = 1 + far;
-  return {unit * (q + far * q / (kFarPower + 1) + slope * (r - q)), slope,
-          r < most ? kFarPower * far / (q > 0 ? q : 1) / unit : 0};
-}
 
 }  // namespace
 
