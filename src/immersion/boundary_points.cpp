@@ -10,6 +10,7 @@
 
 #include "kernels/parallel/parallel.h"
 #include "kernels/predicates/predicates.h"
+#include "src/tet_complex/local_operations.h"
 
 namespace overtet {
 
@@ -25,6 +26,11 @@ constexpr double kReach = 0.5;
 // A point that could move only a hair would stand in its neighbours' way, so it waits while they move first:
 // each round asks for less clearance (relative to the size of the star), the last ones for any.
 constexpr double kClearances[] = {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12, 0, 0, 0};
+
+// What is left then is held fast by tets flatter than this (sine of the least dihedral angle): their edges
+// go, so many of them around a point, and so often.
+constexpr double kFlat = 1e-6;
+constexpr int kMostFlat = 200, kReconnections = 3;
 
 // At the end all of them look for more room this many times: thin tets cost the quality pass far more.
 constexpr int kSweeps = 3;
@@ -72,19 +78,10 @@ class Clearer {
 
   BoundaryPointsResult run() {
     result_.smallest_clearance = queue_.empty() ? 0 : std::numeric_limits<double>::infinity();
-    for (const double least : kClearances) {
-      least_clearance_ = least;
-      std::vector<Index> left;
-      for (const Index v : queue_) {
-        if (context_.stop()) {
-          left.push_back(v);
-          continue;
-        }
-        if (clear(v)) continue;
-        make_room(v);
-        if (!clear(v)) left.push_back(v);
-      }
-      queue_ = std::move(left);
+    for (const double least : kClearances) try_all(least);
+    for (int round = 0; round < kReconnections && !queue_.empty() && !context_.stop(); ++round) {
+      reconnect();
+      try_all(0);
     }
     result_.left = queue_;
     spread();
@@ -110,6 +107,60 @@ class Clearer {
   }
 
  private:
+  void try_all(double least_clearance) {
+    least_clearance_ = least_clearance;
+    std::vector<Index> left;
+    for (const Index v : queue_) {
+      if (context_.stop()) {
+        left.push_back(v);
+        continue;
+      }
+      if (clear(v)) continue;
+      make_room(v);
+      if (!clear(v)) left.push_back(v);
+    }
+    queue_ = std::move(left);
+  }
+
+  // Points that have been cleared may lie in a pocket between two flat parts of their stars, in the plane of
+  // a face, which no move opens. Flat tets around what is left lose an edge.
+  void reconnect() {
+    LocalOperations work(complex_);
+    std::vector<Index> star, around;
+    for (const Index v : queue_) {
+      std::set<TetComplex::Tet> tried;  // sorted
+      for (int count = 0; count < kMostFlat; ++count) {
+        std::set<Index> near;
+        complex_.star(v, star);
+        for (const Index t : star)
+          for (const Index u : complex_.tet(t))
+            if (!complex_.on_boundary(u)) near.insert(u);
+        near.insert(v);
+        Index flattest = -1;
+        for (const Index u : near) {
+          complex_.star(u, around);
+          for (const Index t : around)
+            if (work.quality(t) < (flattest < 0 ? kFlat : work.quality(flattest)) &&
+                !tried.count(sorted_tet(t)))
+              flattest = t;
+        }
+        if (flattest < 0) break;
+        tried.insert(sorted_tet(flattest));
+        const TetComplex::Tet corners = complex_.tet(flattest);
+        bool done = false;
+        for (int i = 0; i < 4 && !done; ++i)
+          for (int j = 0; j < i && !done; ++j) done = work.remove_edge(flattest, corners[i], corners[j]);
+        for (int k = 0; k < 4 && !done; ++k) done = work.flip_23(flattest, k);
+      }
+    }
+  }
+
+  TetComplex::Tet sorted_tet(Index t) const {
+    TetComplex::Tet tet = complex_.tet(t);
+    std::sort(tet.begin(), tet.end());
+    return tet;
+  }
+
   // As far as it goes: true when all the way.
   bool move_home(Index v) {
     const Vector3d home = surface_.V.row(v), here = complex_.position(v);
