@@ -42,10 +42,11 @@ bool meet(const Group& a, const Group& b) {
   });
 }
 
-// Empty where the components cannot be told apart like this.
+// Empty where there is one only, or the components cannot be told apart like this.
 std::vector<Part> find_parts(const Surface& surface, const Diagnosis& d) {
   const SurfaceTopology& topology = d.topology.topology;
   const std::size_t n = topology.components.size();
+  if (n < 2 || n > kMostParts) return {};
   std::vector<Box> boxes(n);
   for (Index f = 0; f < surface.F.rows(); ++f)
     for (int k = 0; k < 3; ++k) boxes[topology.component_of_face[f]].add(surface.V.row(surface.F(f, k)));
@@ -67,6 +68,31 @@ std::vector<Part> find_parts(const Surface& surface, const Diagnosis& d) {
     parts[part_of[around]].components.push_back(static_cast<Index>(c));
   }
   return parts;
+}
+
+std::vector<char> flags(const SurfaceTopology& topology, const std::vector<Index>& components) {
+  std::vector<char> in(topology.components.size(), 0);
+  for (const Index c : components) in[c] = 1;
+  return in;
+}
+
+// The components for which `in` is set.
+PartSurface taken_out(const Surface& surface, const SurfaceTopology& topology, const std::vector<char>& in) {
+  PartSurface part;
+  std::vector<Index> number(static_cast<std::size_t>(surface.V.rows()), -1), faces;
+  for (Index f = 0; f < surface.F.rows(); ++f) {
+    if (!in[topology.component_of_face[f]]) continue;
+    faces.push_back(f);
+    for (int k = 0; k < 3; ++k) number[surface.F(f, k)] = 0;
+  }
+  for (Index v = 0; v < surface.V.rows(); ++v)
+    if (number[v] == 0) number[v] = static_cast<Index>(part.vertices.size()), part.vertices.push_back(v);
+  part.surface.V = surface.V(part.vertices, Eigen::all);
+  part.surface.F.resize(static_cast<Eigen::Index>(faces.size()), 3);
+  for (std::size_t i = 0; i < faces.size(); ++i)
+    for (int k = 0; k < 3; ++k)
+      part.surface.F(static_cast<Eigen::Index>(i), k) = number[surface.F(faces[i], k)];
+  return part;
 }
 
 class PartsMesher {
@@ -123,43 +149,31 @@ class PartsMesher {
     }
     record.figures.emplace_back("groups", static_cast<std::int64_t>(done_.size()));
     record.figures.emplace_back("immersed", immersed_);
-    TetMesh mesh = united();
+    TetMesh mesh = united(route_.surface.V, {done_.begin(), done_.end()});
     record.figures.emplace_back("tets", std::int64_t{mesh.T.rows()});
     return mesh;
   }
 
  private:
-  struct Piece {
+  struct Piece : PartMesh {
     Group group;
-    std::vector<Index> vertices;  // of the input, increasing
-    TetMesh mesh;
   };
 
   Result<Piece> mesh(const Group& group) {
     const SurfaceTopology& topology = route_.diagnosis.topology.topology;
     Piece piece;
     piece.group = group;
-    std::vector<char> in(topology.components.size(), 0);
+    std::vector<Index> components;
     bool single = true;
     for (const Part& part : group) {
       single = single && part.components.size() == 1;
-      for (const Index c : part.components) in[c] = 1;
+      components.insert(components.end(), part.components.begin(), part.components.end());
     }
+    const std::vector<char> in = flags(topology, components);
     const auto is_in = [&](Index f) { return in[topology.component_of_face[f]] != 0; };
-    Surface s;
-    std::vector<Index> number(static_cast<std::size_t>(route_.surface.V.rows()), -1), faces;
-    for (Index f = 0; f < route_.surface.F.rows(); ++f) {
-      if (!is_in(f)) continue;
-      faces.push_back(f);
-      for (int k = 0; k < 3; ++k) number[route_.surface.F(f, k)] = 0;
-    }
-    for (Index v = 0; v < route_.surface.V.rows(); ++v)
-      if (number[v] == 0) number[v] = static_cast<Index>(piece.vertices.size()), piece.vertices.push_back(v);
-    s.V = route_.surface.V(piece.vertices, Eigen::all);
-    s.F.resize(static_cast<Eigen::Index>(faces.size()), 3);
-    for (std::size_t i = 0; i < faces.size(); ++i)
-      for (int k = 0; k < 3; ++k)
-        s.F(static_cast<Eigen::Index>(i), k) = number[route_.surface.F(faces[i], k)];
+    PartSurface part_surface = taken_out(route_.surface, topology, in);
+    const Surface& s = part_surface.surface;
+    piece.vertices = std::move(part_surface.vertices);
 
     const bool crossing = std::any_of(route_.diagnosis.pairs.begin(), route_.diagnosis.pairs.end(),
                                       [&](const FacePair& p) { return is_in(p.first) && is_in(p.second); });
@@ -179,33 +193,6 @@ class PartsMesher {
     ++immersed_;
     piece.mesh = std::move(r.value().mesh);
     return piece;
-  }
-
-  TetMesh united() const {
-    TetMesh out;
-    out.surface_vertices = static_cast<Index>(route_.surface.V.rows());
-    Eigen::Index vertices = out.surface_vertices, tets = 0;
-    for (const Piece& p : done_) {
-      vertices += p.mesh.V.rows() - static_cast<Eigen::Index>(p.vertices.size());
-      tets += p.mesh.T.rows();
-    }
-    out.V.resize(vertices, 3);
-    out.T.resize(tets, 4);
-    out.V.topRows(out.surface_vertices) = route_.surface.V;
-    Index next_vertex = out.surface_vertices;
-    Eigen::Index next_tet = 0;
-    for (const Piece& p : done_) {
-      const Index own = static_cast<Index>(p.vertices.size());
-      const Eigen::Index added = p.mesh.V.rows() - own;
-      out.V.middleRows(next_vertex, added) = p.mesh.V.bottomRows(added);
-      for (Eigen::Index t = 0; t < p.mesh.T.rows(); ++t, ++next_tet)
-        for (int k = 0; k < 4; ++k) {
-          const Index v = p.mesh.T(t, k);
-          out.T(next_tet, k) = v < own ? p.vertices[v] : next_vertex + v - own;
-        }
-      next_vertex += static_cast<Index>(added);
-    }
-    return out;
   }
 
   const PartsRoute& route_;
@@ -235,9 +222,44 @@ Result<TetMesh> mesh_plain(const Surface& surface, const RunContext& context) {
   return mesh;
 }
 
+std::vector<PartSurface> parts_of(const Surface& surface, const Diagnosis& d) {
+  std::vector<PartSurface> out;
+  const std::vector<Part> parts = find_parts(surface, d);
+  if (parts.size() < 2) return out;
+  const SurfaceTopology& topology = d.topology.topology;
+  for (const Part& part : parts)
+    out.push_back(taken_out(surface, topology, flags(topology, part.components)));
+  return out;
+}
+
+TetMesh united(const VertexMatrix& V, const std::vector<PartMesh>& parts) {
+  TetMesh out;
+  out.surface_vertices = static_cast<Index>(V.rows());
+  Eigen::Index vertices = out.surface_vertices, tets = 0;
+  for (const PartMesh& p : parts) {
+    vertices += p.mesh.V.rows() - static_cast<Eigen::Index>(p.vertices.size());
+    tets += p.mesh.T.rows();
+  }
+  out.V.resize(vertices, 3);
+  out.T.resize(tets, 4);
+  out.V.topRows(out.surface_vertices) = V;
+  Index next_vertex = out.surface_vertices;
+  Eigen::Index next_tet = 0;
+  for (const PartMesh& p : parts) {
+    const Index own = static_cast<Index>(p.vertices.size());
+    const Eigen::Index added = p.mesh.V.rows() - own;
+    out.V.middleRows(next_vertex, added) = p.mesh.V.bottomRows(added);
+    for (Eigen::Index t = 0; t < p.mesh.T.rows(); ++t, ++next_tet)
+      for (int k = 0; k < 4; ++k) {
+        const Index v = p.mesh.T(t, k);
+        out.T(next_tet, k) = v < own ? p.vertices[v] : next_vertex + v - own;
+      }
+    next_vertex += static_cast<Index>(added);
+  }
+  return out;
+}
+
 bool has_parts(const Surface& surface, const Diagnosis& d) {
-  if (d.topology.topology.components.size() < 2 || d.topology.topology.components.size() > kMostParts)
-    return false;
   const std::vector<Part> parts = find_parts(surface, d);
   for (std::size_t i = 0; i < parts.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)

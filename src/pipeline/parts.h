@@ -5,6 +5,7 @@
 // to be cut along each other, and only crossings of a component with itself are left to the immersion. A
 // component that faces inwards is a cavity and goes with the smallest one around it. Parts that are far from
 // each other go together into one mesh; a part that has no mesh by itself is joined with what is near it.
+// Repairs take the parts one by one, too.
 #pragma once
 
 #include <vector>
@@ -20,6 +21,20 @@ namespace overtet {
 bool is_plain(const Diagnosis& diagnosis);
 // pre: is_plain(). TetGen alone.
 Result<TetMesh> mesh_plain(const Surface& surface, const RunContext& context);
+
+struct PartSurface {
+  Surface surface;
+  std::vector<Index> vertices;  // of the whole, increasing
+};
+// The parts, where there are two or more.
+std::vector<PartSurface> parts_of(const Surface& surface, const Diagnosis& diagnosis);
+
+struct PartMesh {
+  std::vector<Index> vertices;  // of the whole, increasing: the part's surface vertices
+  TetMesh mesh;
+};
+// One mesh with the surface vertices V; those in `parts` are not looked at.
+TetMesh united(const VertexMatrix& V, const std::vector<PartMesh>& parts);
 
 struct PartsRoute {
   const Surface& surface;  // in the unit box

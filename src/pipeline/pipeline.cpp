@@ -6,6 +6,7 @@
 #include <cstring>
 #include <exception>
 #include <functional>
+#include <iterator>
 #include <new>
 #include <numeric>
 #include <optional>
@@ -79,6 +80,7 @@ class Run {
 
   // Where the sheets could not be glued, in the input's space.
   const std::optional<Eigen::Vector3d>& unglued() const { return unglued_; }
+  std::vector<PartSurface> parts() const { return parts_of(input_, found_.diagnosis); }
 
  private:
   template <class F>
@@ -404,22 +406,79 @@ Status Run::finish_given(TetMesh mesh) {
   return finish(std::move(mesh));
 }
 
+double diagonal_of(const Surface& surface) {
+  return (surface.V.colwise().maxCoeff() - surface.V.colwise().minCoeff()).norm();
+}
+
+Status run_repairing(const Surface& surface, const PipelineOptions& options, const RunContext& context,
+                     PipelineResult& result);
+
+// Each part by itself, repaired where it has no mesh. Nothing is said of how they lie to each other, so none
+// is moved because of another one. Errors: of the first part that could not be repaired.
+Status repair_by_parts(const Surface& surface, const std::vector<PartSurface>& parts,
+                       const PipelineOptions& options, const RunContext& context, PipelineResult& result) {
+  Report& report = result.report;
+  const double diagonal = diagonal_of(surface);
+  PipelineOptions own = options;
+  own.save_stages.clear();
+  own.resume.clear();
+  Surface repaired = surface;
+  std::vector<PartMesh> meshes;
+  std::vector<std::int64_t> moved;
+  double farthest = 0, sum = 0;
+  for (const PartSurface& part : parts) {
+    const double size = diagonal_of(part.surface) / diagonal;
+    own.max_repair_move = std::min(1.0, options.max_repair_move / size);
+    PipelineResult r;
+    const Status done = run_repairing(part.surface, own, context, r);
+    if (r.report.status != RunStatus::exact)
+      std::move(r.report.stages.begin(), r.report.stages.end(), std::back_inserter(report.stages));
+    if (!done) return done;
+    for (const std::int64_t v : r.report.moved_ids) moved.push_back(part.vertices[v]);
+    farthest = std::max(farthest, size * r.report.max_relative_move);
+    sum += size * r.report.mean_relative_move * static_cast<double>(r.report.moved_vertices);
+    for (std::size_t v = 0; v < part.vertices.size(); ++v)
+      repaired.V.row(part.vertices[v]) = r.mesh.V.row(static_cast<Eigen::Index>(v));
+    meshes.push_back({part.vertices, std::move(r.mesh)});
+  }
+  own.improve_degrees = 0;  // each has been improved
+  Run run(repaired, true, own, context, result);
+  if (Status s = run.finish_given(united(repaired.V, meshes)); !s) return s;
+  std::sort(moved.begin(), moved.end());
+  report.status = RunStatus::repaired;
+  report.witness.reset();
+  report.moved_vertices = static_cast<std::int64_t>(moved.size());
+  report.max_relative_move = farthest;
+  report.mean_relative_move = moved.empty() ? 0 : sum / static_cast<double>(moved.size());
+  report.moved_ids = std::move(moved);
+  return success();
+}
+
 // Runs on the surface, and where that finds no mesh and repairing is asked for, on repaired ones.
 Status run_repairing(const Surface& surface, const PipelineOptions& options, const RunContext& context,
                      PipelineResult& result) {
   Report& report = result.report;
   Status first = success();
   std::optional<Eigen::Vector3d> unglued;
+  std::vector<PartSurface> parts;
+  const bool may_repair = options.on_infeasible == OnInfeasible::repair;
   {
     Run run(surface, false, options, context, result);
     first = run.go();
     unglued = run.unglued();
+    if (!first && may_repair && repairable(first.error())) parts = run.parts();
   }
   if (first) {
     report.status = RunStatus::exact;
     return first;
   }
-  if (options.on_infeasible != OnInfeasible::repair || !repairable(first.error())) return first;
+  if (!may_repair || !repairable(first.error())) return first;
+  if (!parts.empty()) {
+    const Status done = repair_by_parts(surface, parts, options, context, result);
+    if (done || !repairable(done.error())) return done;
+    context.note(LogLevel::info,
+                 "Repair: one by one the parts could not be repaired: " + done.error().message);
+  }
   const InputRecord input = report.input;
   const std::optional<WitnessRecord> witness = report.witness;
   // What is pulled back to the input locks early where it is made of bad tets. Always the same, so that the

@@ -240,6 +240,34 @@ TEST(Pipeline, RepairsWhenAsked) {
   EXPECT_EQ(untouched.report.moved_vertices, 0);
 }
 
+// Copies next to each other, each covering what is around the other one, and a part that needs no repair.
+TEST(Pipeline, RepairsPartsByThemselves) {
+  PipelineOptions options;
+  options.on_infeasible = OnInfeasible::repair;
+  const Surface elbow = test::obstructed_elbow(0), worm = test::curled_worm(400, 10);
+  const auto n = static_cast<std::int64_t>(elbow.V.rows());
+  const Surface copy =
+      test::transformed(elbow, Eigen::Matrix3d::Identity(), Eigen::Vector3d(3e-4, 2e-4, -1e-4));
+  for (const bool twice : {true, false}) {
+    const Surface s = test::joined(twice ? test::joined(elbow, copy) : elbow, worm);
+    const PipelineResult r = run(s, options);
+    ASSERT_TRUE(r.ok()) << r.report.message;
+    EXPECT_EQ(r.report.status, RunStatus::repaired);
+    VerifyOptions moved;
+    moved.max_move = 1.0001 * r.report.max_relative_move;
+    const VerifyResult v = verify(s, r.mesh, moved);
+    EXPECT_TRUE(v.ok()) << v.summary();
+    const std::vector<std::int64_t>& ids = r.report.moved_ids;
+    EXPECT_EQ(v.moved_vertices, static_cast<std::int64_t>(ids.size()));
+    EXPECT_EQ(r.report.moved_vertices, static_cast<std::int64_t>(ids.size()));
+    ASSERT_FALSE(ids.empty());
+    EXPECT_LT(ids.front(), n);
+    EXPECT_LT(ids.back(), twice ? 2 * n : n);
+    EXPECT_EQ(ids.back() >= n, twice);
+    EXPECT_TRUE(std::is_sorted(ids.begin(), ids.end()));
+  }
+}
+
 TEST(Pipeline, SameBytesOnAnyNumberOfThreads) {
   for (const Preset preset : {Preset::standard, Preset::flow}) {
     PipelineOptions options;
@@ -403,8 +431,7 @@ TEST(Pipeline, LockedMapsAreKeptAsProblems) {
   const Result<Surface> problem = read_surface(resume.resume + "/input.ply");
   ASSERT_TRUE(problem.ok());
   EXPECT_EQ(problem.value().V, solid.target.V);
-  const Result<StageFiles> kept =
-      StageFiles::open(resume.resume, hash_of(problem.value()), UnitBox{});
+  const Result<StageFiles> kept = StageFiles::open(resume.resume, hash_of(problem.value()), UnitBox{});
   ASSERT_TRUE(kept.ok());
   EXPECT_EQ(kept.value().load_mesh("tet_mesh", solid.start.surface_vertices).value().V, solid.start.V);
   EXPECT_EQ(kept.value().load_surface("embedded").value().F, solid.target.F);
