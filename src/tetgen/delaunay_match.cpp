@@ -48,7 +48,8 @@ Index TriangleTable::find(const Triple& f) const {
 
 std::optional<Error> DelaunayMatch::run(const RunContext& context, DelaunayBuilder begun) {
   const Index n = static_cast<Index>(plc.V.rows()), first = begun.points();
-  if (auto error = context.no_room_for(static_cast<std::size_t>(n - first) * kDelaunayBytesPerPoint)) return error;
+  if (auto error = context.no_room_for(static_cast<std::size_t>(n - first) * kDelaunayBytesPerPoint))
+    return error;
   begun.insert(plc.V.data() + 3 * static_cast<std::ptrdiff_t>(first), n - first,
                [&] { return context.stop().has_value(); });
   if (auto stop = context.stop()) return stop;

@@ -33,6 +33,10 @@ constexpr double kNeedle = 1e-4;
 // Around 4 is usual.
 constexpr double kCrowd = 4.5;
 
+// Of tets around an edge: more than TetGen's flips need to take apart in nearly all cases. Among needles they
+// take several times as long without a limit.
+constexpr Index kLargestStar = 40;
+
 // Axes turned cyclically (which keeps orientations) by `turn`.
 VertexMatrix turned(const VertexMatrix& V, int turn) {
   VertexMatrix out(V.rows(), 3);
@@ -136,10 +140,12 @@ Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptio
   const bool delaunay =
       plc.holes.rows() == 0 && options.keep_facets && options.accept_split && !options.fill_convex_hull;
   const bool large = delaunay && plc.F.rows() >= kLarge;
+  TetgenOptions quick = plain;
+  quick.largest_star = kLargestStar;
   Result<TetgenResult> first =
       large ? tetrahedralize_delaunay_first(plc, context, {.patience = options.patience}, std::move(begun))
-            : tetrahedralize(plc, plain, context);
-  if (large && !settled(first)) first = tetrahedralize(plc, plain, context);
+            : tetrahedralize(plc, quick, context);
+  if (large && !settled(first)) first = tetrahedralize(plc, quick, context);
   if (settled(first)) {
     const bool crowded = first.ok() && static_cast<double>(first.value().T.rows()) >
                                            kCrowd * static_cast<double>(first.value().V.rows());

@@ -274,6 +274,7 @@ Status TetgenOptions::validate() const {
     return Error{ErrorCode::usage, "The radius-edge bound must lie between 1.1 and 100."};
   if (!(tolerance >= 0 && tolerance <= 1e-3))
     return Error{ErrorCode::usage, "TetGen's tolerance must lie between 0 and 1e-3."};
+  if (largest_star < 0) return Error{ErrorCode::usage, "The largest star must not be negative."};
   if (!(patience > 0)) return Error{ErrorCode::usage, "The patience with TetGen must be positive."};
   return success();
 }
@@ -309,6 +310,7 @@ Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options
   request.holes = holes.rows();
   request.radius_edge = options.radius_edge;
   request.tolerance = options.tolerance;
+  request.largest_star = options.largest_star;
   if (options.quality) request.most_points = kMostPointsPerVertex * plc.V.rows() + 10000;
 
   Reply reply;

@@ -32,6 +32,7 @@ struct TetgenOptions {
   bool accept_unused = false;     // vertices outside of what the facets enclose may stay without a tet
   bool fill_convex_hull = false;  // keep the tets outside the outermost facets (TetGen -c)
   double tolerance = 0;           // TetGen -T, for its coplanarity test; 0: TetGen's default
+  Index largest_star = 0;         // of tets around an edge that its flips may take apart; 0: any
   double patience = 1;            // part of the time after which it is taken not to end; for what is a luxury
 
   Status validate() const;

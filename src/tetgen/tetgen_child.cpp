@@ -113,6 +113,7 @@ void run() {
   behaviour.nojettison = 1;
   behaviour.zeroindex = 1;
   behaviour.quiet = 1;
+  if (request.largest_star > 0) behaviour.flipstarsize = static_cast<int>(request.largest_star);
 
   Reply reply;
   try {

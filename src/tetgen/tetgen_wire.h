@@ -17,7 +17,8 @@ struct Request {
   std::int64_t vertices = 0;
   std::int64_t facets = 0;
   std::int64_t holes = 0;
-  std::int64_t most_points = 0;  // that may be added; 0: any number
+  std::int64_t most_points = 0;   // that may be added; 0: any number
+  std::int64_t largest_star = 0;  // of tets around an edge that flips take apart; 0: any
   double radius_edge = 0;
   double tolerance = 0;
 };
