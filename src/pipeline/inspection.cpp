@@ -67,11 +67,6 @@ std::optional<WitnessRecord> witness_of(const Surface& surface, const Diagnosis&
     record.B0.push_back(B0);
     record.positions.push_back({surface.V(v, 0), surface.V(v, 1), surface.V(v, 2)});
   };
-  const auto apart = [&](const std::vector<Index>& vertices) {
-    record.apart = d.wound.apart->direction;
-    for (std::size_t i = 0; i < vertices.size(); ++i) add(vertices[i], d.wound.apart->B0[i]);
-    return record;
-  };
   if (const auto& w = d.winding.witness) {
     record.rule = WitnessRecord::Rule::winding;
     record.winding = w->winding;
@@ -103,16 +98,28 @@ std::optional<WitnessRecord> witness_of(const Surface& surface, const Diagnosis&
   if (!d.wound.odd_groups.empty()) {
     record.rule = WitnessRecord::Rule::unpaired;
     const auto& group = d.wound.odd_groups.front();
-    if (d.wound.apart) return apart(group);
+    if (d.wound.apart) {
+      record.apart = d.wound.apart->direction;
+      for (std::size_t i = 0; i < group.size(); ++i) add(group[i], d.wound.apart->B0[i]);
+      return record;
+    }
     for (const Hinge& h : d.hinges)
       if (std::binary_search(group.begin(), group.end(), h.vertex)) add(h.vertex, h.B0.value_or(0));
+    return record;
+  }
+  if (d.wound.shared) {
+    record.rule = WitnessRecord::Rule::shared;
+    record.vertices = d.wound.shared->vertices;
+    record.layers = d.wound.shared->layers;
+    record.room = d.wound.shared->room;
+    for (const Index v : record.vertices)
+      record.positions.push_back({surface.V(v, 0), surface.V(v, 1), surface.V(v, 2)});
     return record;
   }
   const bool crowded = !d.wound.crowded.empty();
   const std::vector<Index>& named = crowded ? d.wound.crowded : d.wound.unfillable;
   if (named.empty()) return std::nullopt;
   record.rule = crowded ? WitnessRecord::Rule::crowded : WitnessRecord::Rule::link;
-  if (d.wound.apart) return apart(named);
   for (const Hinge& h : d.hinges)
     if (h.vertex == named.front()) add(h.vertex, h.B0.value_or(0));
   return record;

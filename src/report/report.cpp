@@ -44,6 +44,12 @@ Json json_of(const WitnessRecord& w) {
       j["positions"] = w.positions;
       if (w.apart) j["apart"] = *w.apart;
       return j;
+    case WitnessRecord::Rule::shared:
+      j["vertices"] = w.vertices;
+      j["layers"] = w.layers;
+      j["room"] = w.room;
+      j["positions"] = w.positions;
+      return j;
     case WitnessRecord::Rule::stack:
       j["face"] = w.face;
       j["place"] = w.point;
@@ -78,6 +84,8 @@ const char* name_of(WitnessRecord::Rule rule) {
       return "crowded";
     case WitnessRecord::Rule::link:
       return "link";
+    case WitnessRecord::Rule::shared:
+      return "shared";
     case WitnessRecord::Rule::stack:
       return "stack";
     case WitnessRecord::Rule::gluing:

@@ -35,6 +35,8 @@ struct WitnessRecord {
     unpaired,  // an odd number of vertices with odd B0 that covered edges join to each other only
     crowded,   // a vertex whose edges cannot take the turns that B0 asks for
     link,      // a vertex whose link polygon bounds no disc that fits
+    shared,    // a point where several parts of the surface meet, whose discs need more layers than there is
+               // room for
     stack,  // coplanar faces, and moves of their vertices, however small, that make a negative winding number
     gluing  // crossings and edges around which the sheets of the solid cannot be glued at once
   };
@@ -47,9 +49,10 @@ struct WitnessRecord {
   std::vector<int> B0;                           // of each
   std::vector<std::array<double, 3>> positions;  // of the vertices, or on the curve of each pair
   std::vector<std::array<Index, 2>> pairs;       // faces that cross,
-  std::vector<int> layers;                       // where so many sheets lie in front of both
-  std::vector<std::array<Index, 2>> edges;       // by their vertices
-  std::optional<std::array<int, 3>> apart;       // the direction in which the vertices' component moves
+  std::vector<int> layers;  // where so many sheets lie in front of both; or that each vertex needs
+  int room = 0;             // for so many layers in all
+  std::vector<std::array<Index, 2>> edges;  // by their vertices
+  std::optional<std::array<int, 3>> apart;  // the direction in which the vertices' component moves
 };
 const char* name_of(WitnessRecord::Rule rule);  // as in the report
 

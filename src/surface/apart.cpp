@@ -10,7 +10,6 @@
 
 #include "kernels/bvh/self_intersections.h"
 #include "src/surface/exact.h"
-#include "src/surface/link.h"
 
 namespace overtet {
 
@@ -25,8 +24,7 @@ using exact::Vec;
 constexpr std::size_t kMostFlooded = 400;
 // Directions tried, besides those of the normals around a hinge.
 constexpr int kScattered = 48;
-constexpr std::int64_t kMostLinkSteps = 5'000'000;  // of all links: a second or two
-constexpr double kLongest = 1000;                   // of their coordinates: short integers are easy to check
+constexpr double kLongest = 1000;  // of their coordinates: short integers are easy to check
 
 using Direction = std::array<int, 3>;
 
@@ -82,14 +80,6 @@ using Pieces = std::vector<std::pair<Point, int>>;  // of an edge: a place on ea
 struct Conditions {
   std::vector<Point> clear;
   std::vector<Pieces> one_of;
-};
-
-// A hinge of the component alone.
-struct Corner {
-  Point place;
-  Hinge hinge;
-  std::vector<int> near;       // levels of its edges next to it
-  std::vector<Pieces> pieces;  // of its edges
 };
 
 class Study {
@@ -148,44 +138,6 @@ class Study {
         if (level <= 0) list.emplace_back(place, level);
     }
     return out;
-  }
-
-  // All there is to know of a hinge.
-  std::optional<Corner> of_vertex(Index v) const {
-    Corner out{at(v), {}, {}, {}};
-    for (const Hinge& h : hinges_)
-      if (h.vertex == v) out.hinge = h;
-    if (!out.hinge.B0) return std::nullopt;
-    for (const Index h : around(v)) {
-      auto pieces = pieces_of(h);
-      if (!pieces) return std::nullopt;
-      const bool forward = half_edge_source(s_.F, std::min(h, topology_.twin[h])) == v;
-      out.near.push_back(forward ? pieces->front().second : pieces->back().second);
-      out.pieces.push_back(std::move(*pieces));
-    }
-    return out;
-  }
-
-  // With the rest beside it, moved in this direction. steps: taken so far, in all.
-  bool unfillable(const Corner& corner, const Rest& rest, const Point& direction, std::int64_t& steps) const {
-    const auto over = rest.beside(corner.place, direction);
-    if (!over || *over < 0) return false;
-    Hinge hinge = corner.hinge;
-    *hinge.B0 += 2 * *over;
-    hinge.covering += *over;
-    std::vector<int> near = corner.near, all_along;
-    for (int& level : near) level += *over;
-    for (const auto& pieces : corner.pieces) {
-      std::optional<int> least;
-      for (const auto& [place, level] : pieces)
-        if (const auto covered = rest.beside(place, direction))
-          least = std::min(least.value_or(level + *covered), level + *covered);
-      if (!least) return false;
-      all_along.push_back(*least);
-    }
-    const LinkAnswer answer = fill_link(s_, topology_, hinge, near, all_along);
-    steps += answer.steps;
-    return answer.verdict == LinkVerdict::unfillable;
   }
 
  private:
@@ -285,54 +237,29 @@ Result<std::optional<WoundEdges>> find_apart(const Surface& surface, const Surfa
     const Study study(own.surface);
     const Result<WoundEdges> wound = study.wound(context);
     if (!wound.ok()) return wound.error();
-    if (!wound.value().forbidden()) continue;
+    if (wound.value().odd_groups.empty()) continue;
     const Component others = part_of(surface, topology, c, false);
     const Rest rest(others.surface);
-    const auto first_of = [&](Index vertex, const auto& fits) -> std::optional<Direction> {
-      for (const Direction& d : directions(study, vertex)) {
-        if (context.stop()) break;
-        const double coordinates[3] = {static_cast<double>(d[0]), static_cast<double>(d[1]),
-                                       static_cast<double>(d[2])};
-        if (fits(Point(coordinates))) return d;
-      }
-      return std::nullopt;
-    };
-    const auto found = [&](const std::vector<Index>& vertices, const Direction& d) {
-      WoundEdges out;
-      out.apart.emplace();
-      out.apart->direction = d;
-      for (const Index v : vertices) {
-        out.unmet.push_back(own.vertex[v]);
-        out.apart->B0.push_back(study.b0(v));
-      }
-      out.explanation = explanation(out.unmet.front(), out.apart->B0.front());
-      return out;
-    };
     for (const auto& group : wound.value().odd_groups) {
       const std::optional<Conditions> conditions = study.of_group(group);
       if (!conditions) continue;
-      const auto d = first_of(group.front(),
-                              [&](const Point& direction) { return holds(*conditions, rest, direction); });
-      if (!d) continue;
-      WoundEdges out = found(group, *d);
-      out.odd_groups.push_back(out.unmet);
-      return std::optional<WoundEdges>(std::move(out));
+      for (const Direction& d : directions(study, group.front())) {
+        if (auto stop = context.stop()) return *stop;
+        const double coordinates[3] = {static_cast<double>(d[0]), static_cast<double>(d[1]),
+                                       static_cast<double>(d[2])};
+        if (!holds(*conditions, rest, Point(coordinates))) continue;
+        WoundEdges out;
+        out.apart.emplace();
+        out.apart->direction = d;
+        for (const Index v : group) {
+          out.unmet.push_back(own.vertex[v]);
+          out.apart->B0.push_back(study.b0(v));
+        }
+        out.odd_groups.push_back(out.unmet);
+        out.explanation = explanation(out.unmet.front(), out.apart->B0.front());
+        return std::optional<WoundEdges>(std::move(out));
+      }
     }
-    std::vector<Index> corners = wound.value().unfillable;
-    corners.insert(corners.end(), wound.value().crowded.begin(), wound.value().crowded.end());
-    std::int64_t steps = 0;
-    for (const Index v : corners) {
-      const std::optional<Corner> corner = study.of_vertex(v);
-      if (!corner) continue;
-      const auto d = first_of(v, [&](const Point& direction) {
-        return steps < kMostLinkSteps && study.unfillable(*corner, rest, direction, steps);
-      });
-      if (!d) continue;
-      WoundEdges out = found({v}, *d);
-      out.unfillable = out.unmet;
-      return std::optional<WoundEdges>(std::move(out));
-    }
-    if (auto stop = context.stop()) return *stop;
   }
   return nothing;
 }

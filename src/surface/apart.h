@@ -4,7 +4,8 @@
 // has one as well when one of its components moves by eps d, for every small enough eps > 0. For nearly every
 // direction d nothing touches any more, and all that wound_edges.h says applies. There the rest of the
 // surface counts only by its winding numbers just beside points of the component: at x what it is at x + eps
-// d. Where those leave what forbids a mesh of the component as it is, they forbid one of the whole.
+// d. Where they leave an odd group of hinges of the component as it is, there is no mesh of the whole. (What
+// is wrong at a single point needs no moves: shared.h.)
 #pragma once
 
 #include <optional>

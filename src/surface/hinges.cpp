@@ -180,6 +180,13 @@ std::optional<int> vertex_b0(const Surface& surface, const SurfaceTopology& topo
   return b0(surface, rays, Ring(surface, topology, vertex));
 }
 
+std::optional<int> smallest_winding(const Surface& surface, const SurfaceTopology& topology,
+                                    const TriangleBvh& bvh, Index vertex,
+                                    const std::vector<FacePair>& crossings) {
+  return smallest_around(surface, Rays(surface.V, surface.F, bvh), Ring(surface, topology, vertex),
+                         crossings);
+}
+
 std::vector<Hinge> find_hinges(const Surface& surface, const SurfaceTopology& topology,
                                const TriangleBvh& bvh, const std::vector<FacePair>& pairs) {
   struct At {

@@ -52,6 +52,12 @@ std::vector<Hinge> find_hinges(const Surface& surface, const SurfaceTopology& to
 std::optional<int> vertex_b0(const Surface& surface, const SurfaceTopology& topology, const TriangleBvh& bvh,
                              Index vertex);
 
+// The smallest winding number around a vertex. crossings: of faces at it. None where a face that is not at
+// the vertex contains it.
+std::optional<int> smallest_winding(const Surface& surface, const SurfaceTopology& topology,
+                                    const TriangleBvh& bvh, Index vertex,
+                                    const std::vector<FacePair>& crossings);
+
 // Where an edge is pierced: faces that contain a point of its inside and do not belong to it.
 struct PiercedEdge {
   Index half_edge = -1;  // the smaller one of the two

@@ -357,6 +357,11 @@ class Search {
 
 }  // namespace
 
+bool has_regular_link(const Surface& surface, const SurfaceTopology& topology, Index vertex,
+                      const std::vector<FacePair>& crossings) {
+  return Link(surface, topology, vertex).graph(crossings).has_value();
+}
+
 LinkAnswer fill_link(const Surface& surface, const SurfaceTopology& topology, const Hinge& hinge,
                      const std::vector<int>& near, const std::vector<int>& least) {
   LinkAnswer out;

@@ -35,4 +35,8 @@ struct LinkAnswer {
 LinkAnswer fill_link(const Surface& surface, const SurfaceTopology& topology, const Hinge& hinge,
                      const std::vector<int>& near, const std::vector<int>& least);
 
+// Whether arcs of a vertex's link only cross each other, two at a time; crossings: of faces at the vertex.
+bool has_regular_link(const Surface& surface, const SurfaceTopology& topology, Index vertex,
+                      const std::vector<FacePair>& crossings);
+
 }  // namespace overtet

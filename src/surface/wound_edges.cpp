@@ -12,6 +12,7 @@
 
 #include "kernels/parallel/parallel.h"
 #include "src/surface/link.h"
+#include "src/surface/shared.h"
 
 namespace overtet {
 
@@ -30,7 +31,12 @@ class Assigner {
   Assigner(const Surface& surface, const SurfaceTopology& topology, const TriangleBvh& bvh,
            const std::vector<Hinge>& hinges, const std::vector<PiercedEdge>& pierced,
            const RunContext& context)
-      : surface_(surface), topology_(topology), bvh_(bvh), hinges_(hinges), context_(context) {
+      : surface_(surface),
+        topology_(topology),
+        bvh_(bvh),
+        hinges_(hinges),
+        pierced_list_(pierced),
+        context_(context) {
     for (const PiercedEdge& e : pierced) pierced_.emplace(e.half_edge, &e.faces);
     if (std::any_of(hinges.begin(), hinges.end(), [](const Hinge& h) { return h.B0 && *h.B0 % 2 != 0; }))
       study_pierced(pierced);
@@ -161,10 +167,11 @@ class Assigner {
 
   std::optional<Error> find_unfillable(WoundEdges& out) {
     std::int64_t steps = 0;
+    std::vector<Index> unsure;
     for (const Hinge& hinge : hinges_) {
       if (auto stop = context_.stop()) return stop;
-      if (!hinge.B0 || std::binary_search(out.crowded.begin(), out.crowded.end(), hinge.vertex)) continue;
-      bool sure = true;
+      if (std::binary_search(out.crowded.begin(), out.crowded.end(), hinge.vertex)) continue;
+      bool sure = hinge.B0.has_value();
       std::vector<int> near, all_along;
       around(hinge.vertex, [&](Index h) {
         sure = sure && is_known(h);
@@ -172,6 +179,7 @@ class Assigner {
         near.push_back(level_at(h, hinge.vertex));
         all_along.push_back(least(h));
       });
+      if (!sure) unsure.push_back(hinge.vertex);
       if (!sure || steps > kMostLinkSteps) continue;
       const LinkAnswer answer = fill_link(surface_, topology_, hinge, near, all_along);
       steps += answer.steps;
@@ -182,6 +190,20 @@ class Assigner {
               "disc that turns only at edges covered all along.",
               out);
     }
+    if (out.forbidden()) return std::nullopt;
+    auto shared = find_shared(surface_, topology_, bvh_, hinges_, pierced_list_, unsure, context_);
+    if (!shared.ok()) return shared.error();
+    for (const SharedPoint& p : shared.value()) {
+      out.unfillable.insert(out.unfillable.end(), p.vertices.begin(), p.vertices.end());
+      if (out.shared) continue;
+      out.shared = p;
+      out.explanation = "No positive mesh exists: around vertex " + std::to_string(p.vertices.front()) +
+                        " and what else passes through its place no tets fill the space, with as many layers "
+                        "as the winding "
+                        "numbers have room for.";
+    }
+    std::sort(out.unfillable.begin(), out.unfillable.end());
+    out.unmet = out.unfillable;
     return std::nullopt;
   }
 
@@ -692,6 +714,7 @@ class Assigner {
   const SurfaceTopology& topology_;
   const TriangleBvh& bvh_;
   const std::vector<Hinge>& hinges_;
+  const std::vector<PiercedEdge>& pierced_list_;
   const RunContext& context_;
   std::unordered_map<Index, const std::vector<Index>*> pierced_;
   std::vector<Index> hinge_at_;

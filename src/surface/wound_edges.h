@@ -33,6 +33,14 @@ struct WoundEdge {
   bool pierced = false;  // another face crosses the inside of the edge
 };
 
+// A point where several parts of the surface meet, and these vertices' discs need more layers, in all, than
+// there is room for (shared.h). As a rule they do; room < 0 forbids a mesh whatever they need.
+struct SharedPoint {
+  std::vector<Index> vertices;
+  std::vector<int> layers;  // that each needs at least, above the least that its link shows
+  int room = 0;
+};
+
 struct WoundEdges {
   std::vector<WoundEdge> edges;  // sorted
   std::vector<Index> unmet;      // hinges whose equation does not hold with these edges, sorted
@@ -49,8 +57,10 @@ struct WoundEdges {
   // polygon as boundary, with the layers that the winding numbers give, turning at every edge as often as the
   // edge has room for all along. As much of a proof. Sorted.
   std::vector<Index> unfillable;
-  // Where what forbids a mesh is what forbids one of its component alone, moved from the others by as little
-  // as you like in this direction (apart.h); B0 is that of the component alone, of each vertex named.
+  // What is wrong at a point shared by the vertices in `unfillable`, as much of a proof.
+  std::optional<SharedPoint> shared;
+  // Where the odd group is one of its component alone, moved from the others by as little as you like in this
+  // direction (apart.h); B0 is that of the component alone, of each vertex named.
   struct Apart {
     std::array<int, 3> direction{};
     std::vector<int> B0;
