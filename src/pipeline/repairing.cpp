@@ -201,8 +201,10 @@ class Repairing {
       return std::optional<RepairedMesh>();
     }
     work_ += pulled.value().work;
+    const bool spread_only = spread_first && pulled.value().rounds.empty();
     RepairedMesh back = measured(std::move(pulled.value().mesh));
     back.pulled = true;
+    back.spread = spread_only;
     return std::optional(std::move(back));
   }
 
@@ -226,9 +228,15 @@ class Repairing {
     int round = 0;
     for (int time = 0; time < kStraightBack; ++time) {
       RepairedMesh now = best;
+      bool as_made = false;  // what the last round went on from
       for (int idle = 0; round < rounds && work_ < kRoundsWork; ++round) {
         const bool too_far = best.max_relative > route_.max_move;
         if (idle >= (too_far ? kIdleTooFar : kIdle)) break;
+        if (!now.pulled && as_made && idle % 2 == 1) {  // there are no other tets of it: the same again
+          ++idle;
+          continue;
+        }
+        as_made = !now.pulled;
         if (!time_left()) return success();
         const auto begin = RunContext::Clock::now();
         Result<std::optional<RepairedMesh>> back = pulled_again(now, best, idle);
@@ -243,8 +251,9 @@ class Repairing {
       }
       if (!time_left()) return success();
       const double before = cost(best);
-      if (Status s = straight_back(best); !s) return s;
-      if (cost(best) > kGain * before) break;
+      const bool last = round >= rounds || work_ >= kRoundsWork || !best.pulled;  // pulling does not help it
+      if (Status s = straight_back(best, last ? kStraightBack - time : 1); !s) return s;
+      if (last || cost(best) > kGain * before) break;
     }
     return success();
   }
@@ -259,32 +268,52 @@ class Repairing {
     if (!fresh.value()) return std::optional<RepairedMesh>();
     const double allowed = route_.max_move, most = best.max_relative;
     const double aim = most > allowed ? std::max(kNearer * most, kWithin * allowed) : allowed;
-    return pull(*fresh.value(), idle >= 2, aim, most > allowed);
+    Result<std::optional<RepairedMesh>> nearer = pull(*fresh.value(), idle >= 2, aim, most > allowed);
+    if (!nearer || !from.spread) return nearer;
+    // What was only brought nearer has not tried to go home from there yet.
+    Result<std::optional<RepairedMesh>> home = pull(*fresh.value(), idle >= 2, most);
+    if (!home) return home;
+    return home.value() && (!nearer.value() || cost(*home.value()) < cost(*nearer.value())) ? home : nearer;
   }
 
-  // What the diagnosis alone lets go home, straight; where that has a mesh.
-  Status straight_back(RepairedMesh& best) {
-    RunContext context = route_.context;
-    if (context.deadline != RunContext::Clock::time_point::max())
-      context.deadline =
-          RunContext::Clock::now() + std::chrono::duration_cast<RunContext::Clock::duration>(
-                                         std::chrono::duration<double>(kPullTime * context.seconds_left()));
-    Result<LessenResult> less = timed_stage(
-        "lessen", route_.records, route_.context, [&](StageRecord& record) -> Result<LessenResult> {
-          Result<LessenResult> r = lessen(route_.surface, best.surface.V, {}, context);
-          if (!r) return r;
-          record.iterations = r.value().looks;
-          if (r.value().cut_by_time)
-            route_.context.note(LogLevel::warning,
-                                "Repair: with more time than the time limit leaves, vertices may move less.");
-          return r;
-        });
-    if (!less) return less.error();
-    if (!less.value().lessened) return success();
-    MeshAttempt attempt = route_.mesh({std::move(less.value().V), route_.surface.F}, true);
-    if (!attempt.done) return repairable(attempt.done.error()) ? success() : attempt.done;
-    RepairedMesh other = measured(std::move(attempt.mesh));
-    if (cost(other) < cost(best)) best = std::move(other);
+  // What the diagnosis alone lets go home, straight, so many times; where that has a mesh.
+  Status straight_back(RepairedMesh& best, int times) {
+    std::vector<RepairedMesh> nearer;  // surfaces
+    for (int time = 0; time < times; ++time) {
+      const RepairedMesh& from = nearer.empty() ? best : nearer.back();
+      RunContext context = route_.context;
+      if (context.deadline != RunContext::Clock::time_point::max())
+        context.deadline =
+            RunContext::Clock::now() + std::chrono::duration_cast<RunContext::Clock::duration>(
+                                           std::chrono::duration<double>(kPullTime * context.seconds_left()));
+      Result<LessenResult> less = timed_stage(
+          "lessen", route_.records, route_.context, [&](StageRecord& record) -> Result<LessenResult> {
+            Result<LessenResult> r = lessen(route_.surface, from.surface.V, {}, context);
+            if (!r) return r;
+            record.iterations = r.value().looks;
+            if (r.value().cut_by_time)
+              route_.context.note(
+                  LogLevel::warning,
+                  "Repair: with more time than the time limit leaves, vertices may move less.");
+            return r;
+          });
+      if (!less) return less.error();
+      if (!less.value().lessened) break;
+      RepairedMesh to = moves_to(less.value().V);
+      const bool worthwhile = cost(to) <= kGain * cost(from);
+      nearer.push_back(std::move(to));
+      if (!worthwhile) break;
+    }
+    // The nearest is meshed; those before it only where it has no mesh.
+    for (auto surface = nearer.rbegin(); surface != nearer.rend(); ++surface) {
+      if (!(cost(*surface) < cost(best))) continue;
+      MeshAttempt attempt = route_.mesh(surface->surface, true);
+      if (attempt.done) {
+        best = measured(std::move(attempt.mesh));
+        return success();
+      }
+      if (!repairable(attempt.done.error())) return attempt.done;
+    }
     return success();
   }
 
@@ -313,9 +342,16 @@ class Repairing {
   }
 
   RepairedMesh measured(TetMesh mesh) const {
+    RepairedMesh r = moves_to(mesh.V.topRows(route_.surface.V.rows()));
+    r.mesh = std::move(mesh);
+    return r;
+  }
+
+  // Without a mesh.
+  RepairedMesh moves_to(const VertexMatrix& moved) const {
     RepairedMesh r;
     const VertexMatrix& V = route_.surface.V;
-    r.surface = {mesh.V.topRows(V.rows()), route_.surface.F};
+    r.surface = {moved, route_.surface.F};
     for (Index v = 0; v < V.rows(); ++v) {
       if (r.surface.V.row(v) == V.row(v)) continue;
       const double move = (r.surface.V.row(v) - V.row(v)).norm() / diagonal_;
@@ -324,7 +360,6 @@ class Repairing {
       r.mean_relative += move;
     }
     if (!r.moved.empty()) r.mean_relative /= static_cast<double>(r.moved.size());
-    r.mesh = std::move(mesh);
     return r;
   }
 

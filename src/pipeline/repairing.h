@@ -47,6 +47,7 @@ struct RepairedMesh {
   Surface surface;
   TetMesh mesh;         // of `surface`
   bool pulled = false;  // since it was made, and not checked or improved after that
+  bool spread = false;  // and only brought nearer, not pulled home
   std::vector<Index> moved;
   double max_relative = 0, mean_relative = 0;  // of those that moved, to the diagonal
 };
