@@ -7,6 +7,7 @@
 #include <cstring>
 #include <set>
 
+#include "kernels/predicates/predicates.h"
 #include "src/immersion/cover.h"
 #include "src/immersion/sheets.h"
 #include "tests/immersion/shapes.h"
@@ -86,6 +87,43 @@ TEST(BoundaryPoints, LeaveTheInputAsBoundary) {
     complex.compact(static_cast<Index>(s.V.rows()));
     EXPECT_EQ(test::check(s, complex.to_mesh(static_cast<Index>(s.V.rows()))), "");
   }
+}
+
+// A point on an edge of the surface under a tet that is as good as flat, so far from the origin that doubles
+// are whole numbers: between the point and the face above it there is none. Only when the edge above it has
+// gone can it move.
+TEST(BoundaryPoints, WhatAFlatTetHoldsIsSetFree) {
+  constexpr double kWide = 1 << 24, kFar = 0x1p52;
+  const auto place = [&](int x, int y, double z) {
+    return Eigen::RowVector3d(kWide * (kFar + x), kWide * (kFar + y), kFar + z);
+  };
+  enum : Index { d, e, a, b, top, point };
+  VertexMatrix V(6, 3);
+  V.row(d) = place(0, 1, 0);
+  V.row(e) = place(0, -1, 0);
+  V.row(a) = place(-1, 0, 1);
+  V.row(b) = place(1, 1, 0);
+  V.row(top) = place(0, 0, 4 * kWide);
+  V.row(point) = place(0, 0, 0);
+  Surface s;
+  s.V = V.topRows(5);
+  s.F.resize(6, 3);
+  s.F << e, a, d, e, d, b, a, e, top, d, a, top, b, d, top, e, b, top;
+  TetMatrix T(5, 4);
+  T << point, a, b, d, point, b, a, top, point, a, e, top, point, e, b, top, a, b, d, top;
+  for (Index t = 0; t < T.rows(); ++t)
+    if (orient3d(V.row(T(t, 0)).data(), V.row(T(t, 1)).data(), V.row(T(t, 2)).data(), V.row(T(t, 3)).data()) <
+        0)
+      std::swap(T(t, 2), T(t, 3));
+  const std::vector<std::array<Index, 3>> boundary{{e, a, point}, {point, a, d}, {e, point, b}, {point, d, b},
+                                                   {a, e, top},   {d, a, top},   {b, d, top},   {e, b, top}};
+  TetComplex complex(V, T);
+  const BoundaryPointsResult r = clear_boundary_points(s, complex, boundary, {0, 0, 1, 1, 2, 3, 4, 5}, {});
+  EXPECT_TRUE(r.left.empty());
+  EXPECT_EQ(r.removed, 1);
+  EXPECT_FALSE(complex.has_edge(a, b));
+  complex.compact(5);
+  EXPECT_EQ(test::check(s, complex.to_mesh(5)), "");
 }
 
 TEST(BoundaryPoints, NothingToDoChangesNothing) {
