@@ -4,10 +4,12 @@
 #include <chrono>
 #include <cstdio>
 #include <limits>
+#include <string>
 #include <utility>
 
 #include "src/forward_flow/forward_flow.h"
 #include "src/pipeline/stage_clock.h"
+#include "src/repair/least_move.h"
 #include "src/repair/lessening.h"
 #include "src/repair/repair.h"
 #include "src/surface/diagnose.h"
@@ -21,6 +23,7 @@ constexpr int kRepairs = 8;
 constexpr double kFar = 0.6;         // of the diagonal: as far as it takes; the way back is still to come
 constexpr double kShrinkWork = 1e4;  // of gentle repairs: the way back does the rest
 constexpr double kPullTime = 0.4;    // of the time that is left, where there is a limit
+constexpr double kDown = 0.995;      // three digits that are printed are never more
 constexpr double kGentle = 0.01;     // moves of this size are as good as smaller ones
 
 // Moving less, in rounds.
@@ -51,6 +54,10 @@ class Repairing {
   }
 
   Result<RepairedMesh> run(const std::optional<Eigen::Vector3d>& unglued) {
+    const double least = least_relative_move();
+    if (auto stop = route_.context.stop()) return *stop;
+    if (least > route_.max_move)
+      return with_percent(" Vertices would have to move by at least ", kDown * least, " % of the diagonal.");
     bool looked_at = false;
     std::optional<RepairedMesh> nearest;  // of those that went too far
     for (const Reach reach : {Reach::gentle, Reach::far, Reach::allowed, Reach::shrunk, Reach::flowed}) {
@@ -78,17 +85,29 @@ class Repairing {
       if (Status s = move_less(*nearest); !s) return s.error();
       if (nearest->max_relative <= route_.max_move) return std::move(*nearest);
     }
-    Error error = first_;
-    if (nearest) {
-      char more[96];
-      std::snprintf(more, sizeof more, " Moving vertices by up to %.3g %% of the diagonal would do.",
-                    100 * nearest->max_relative + 0.01);
-      error.message += more;
-    }
-    return error;
+    return nearest ? with_percent(" Moving vertices by up to ", nearest->max_relative + 1e-4,
+                                  " % of the diagonal would do.")
+                   : first_;
   }
 
  private:
+  // What `first_` says, and how far vertices would have to move.
+  Error with_percent(const char* before, double relative, const char* after) const {
+    char number[32];
+    std::snprintf(number, sizeof number, "%.3g", 100 * relative);
+    Error error = first_;
+    error.message += std::string(before) + number + after;
+    return error;
+  }
+
+  // No repair moves less than that.
+  double least_relative_move() const {
+    const Result<Diagnosis> d = diagnose(route_.surface, {}, route_.context);
+    if (!d) return 0;
+    const std::optional<LeastMove> least = least_move(route_.surface, d.value(), route_.context);
+    return least ? least->distance / diagonal_ : 0;
+  }
+
   static bool is_far(Reach reach) { return reach != Reach::gentle && reach != Reach::allowed; }
 
   // The surroundings of what crosses are smoothed until nothing does: that has a mesh, whatever the input is,
