@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <functional>
 #include <numeric>
 
 #include "kernels/parallel/parallel.h"
+#include "src/improve/fewer_bad.h"
 #include "src/improve/lift.h"
 #include "src/improve/passes.h"
 #include "src/improve/refine.h"
@@ -38,6 +40,14 @@ constexpr double kLookAgain = 0.5;
 constexpr double kWorstOfAll = 1.5;
 constexpr double kLookPays = 1.05;
 constexpr int kMostLooks = 8;
+// Where too many tets are bad, some may fall to this part of what is good. Then those below another part are
+// raised again, as far as that makes hardly any others bad: that much more they cost.
+constexpr double kMayFallTo = 0.47, kRaiseTo = 0.63, kSteep = 5;
+// All this leaves about half of the bad tets. Where there are so many times too many, it is not tried; where
+// it leaves too many, nothing has been gained by giving some up: it is not done then.
+constexpr double kHopeless = 2.5;
+// Of the goal, so that rounding does not matter; and of the share, as percentiles are interpolated.
+constexpr double kABitMore = 1.0005, kABitLess = 0.998;
 // What a tet that has to be worked on costs, in tets that have not.
 constexpr int kBadTetWeight = 15, kBadToRefineWeight = 10;
 // Where what hangs together makes parts that differ by less than this factor nothing is cut.
@@ -59,19 +69,24 @@ int parts_for(std::size_t tets, std::int64_t tets_per_part) {
 // For what is shared out without a cut.
 int pieces_for(std::size_t tets) { return std::min(kLeastParts, parts_for(tets, kTetsPerLook)); }
 
-enum class Work { refine, passes, both, look };
+enum class Work { refine, passes, both, look, trade, raise };
 
 struct PartResult {
-  std::int64_t refined = 0;
+  std::int64_t refined = 0, traded = 0;
   PassesResult passes;
 };
 
 // loose: of the whole mesh's vertices, see refine(). fresh: the same, see improve_passes(); empty: all.
 PartResult improve_part(MeshPart& part, Work what, std::span<const char> loose, std::span<const char> fresh,
-                        const ImproveOptions& options, double seconds, const RunContext& context) {
+                        const ImproveOptions& options, const LocalOperations::Price& price, double seconds,
+                        const RunContext& context) {
   PartResult result;
   LocalOperations work(part.complex);
   part.mark_shared(work);
+  if (what == Work::trade || what == Work::raise) {
+    result.traded = fewer_bad(work, price, what == Work::trade, context);
+    return result;
+  }
   const auto here = [&](std::span<const char> all) {
     std::vector<char> of_part;
     if (!all.empty())
@@ -157,6 +172,17 @@ double worst_quality(const TetMesh& mesh) {
       [](double x, double y) { return std::min(x, y); });
 }
 
+std::int64_t count_below(const TetMesh& mesh, double sine) {
+  return parallel_reduce(
+      mesh.T.rows(), kGrain, std::int64_t{0},
+      [&](std::int64_t begin, std::int64_t end) {
+        std::int64_t below = 0;
+        for (Index t = static_cast<Index>(begin); t < end; ++t) below += quality(mesh, t) < sine;
+        return below;
+      },
+      std::plus<>());
+}
+
 // Corners of the tets at shared vertices that are still to be worked on.
 std::vector<char> unfinished(const TetMesh& mesh, std::span<const char> shared, Work what,
                              const ImproveOptions& options) {
@@ -186,6 +212,7 @@ std::vector<int> weights(const TetMesh& mesh, std::span<const Index> chosen, Wor
 void add(ImproveResult& sum, const PartResult& part, std::size_t first_pass) {
   sum.end = std::max(sum.end, part.passes.end);
   sum.refined += part.refined;
+  sum.traded += part.traded;
   const auto& passes = part.passes.passes;
   if (sum.passes.size() < first_pass + passes.size()) sum.passes.resize(first_pass + passes.size());
   for (std::size_t i = 0; i < passes.size(); ++i) {
@@ -211,6 +238,9 @@ Status ImproveOptions::validate() const {
   if (!(insert_below_degrees >= 0 && insert_below_degrees <= 40))
     return Error{ErrorCode::usage,
                  "The angle below which vertices are inserted must lie between 0 and 40 degrees."};
+  if (!(good_degrees > 0 && good_degrees <= 40 && bad_share >= 0 && bad_share <= 1))
+    return Error{ErrorCode::usage,
+                 "The good angle must lie between 0 and 40 degrees, the share of bad tets between 0 and 1."};
   if (!(growth >= 1)) return Error{ErrorCode::usage, "The allowed growth of the mesh must be at least 1."};
   if (passes < 0) return Error{ErrorCode::usage, "The number of passes must not be negative."};
   if (!(effort >= 0)) return Error{ErrorCode::usage, "The effort of the quality pass must not be negative."};
@@ -239,6 +269,7 @@ Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, cons
   std::vector<char> loose(static_cast<std::size_t>(mesh.V.rows()), 1);  // the inside's, as given
   std::fill(loose.begin(), loose.begin() + mesh.surface_vertices, 0);
 
+  LocalOperations::Price price;  // where fewer tets are to be bad
   // One round: all parts at the same time, the heaviest first. Returns the vertices that several parts
   // shared.
   const auto round = [&](Work what, const std::vector<int>& part_of, int count, std::span<const Index> chosen,
@@ -253,7 +284,7 @@ Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, cons
     std::sort(order.begin(), order.end());
     parallel_tasks(count, [&](std::int64_t i) {
       const int p = order[i].second;
-      results[p] = improve_part(parts[p], what, loose, fresh, options, seconds, silent);
+      results[p] = improve_part(parts[p], what, loose, fresh, options, price, seconds, silent);
     });
     for (const PartResult& part : results) add(result, part, first_pass);
     result.rounds.push_back(count);
@@ -336,7 +367,31 @@ Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, cons
   if (!silent.stop()) result.lifted = lift_worst(mesh, target, silent);
   // Lifting has numbered vertices anew, and only refinement asks.
   loose.assign(static_cast<std::size_t>(mesh.V.rows()), 0);
-  if (result.lifted > 0) look_at(Work::passes, sine_of(kLookAgain * options.target_degrees));
+
+  // Too many bad ones: fewer, be they worse. What is good enough for the target is good.
+  const double good = sine_of(std::min(options.good_degrees, options.target_degrees));
+  const auto times_too_many = [&] {
+    return static_cast<double>(count_below(mesh, good)) /
+           (kABitLess * options.bad_share * static_cast<double>(mesh.T.rows()));
+  };
+  const double too_many = times_too_many();
+  bool traded = false;
+  if (too_many > 1 && too_many < kHopeless && !silent.stop()) {
+    const TetMesh before = mesh;
+    price.goal = kABitMore * good;
+    price.low = kMayFallTo * good;
+    look_at(Work::trade, price.goal);
+    price.low = kRaiseTo * good;
+    price.steep = kSteep;
+    look_at(Work::raise, price.goal);
+    traded = times_too_many() <= 1;
+    if (!traded) {
+      mesh = before;
+      loose.assign(static_cast<std::size_t>(mesh.V.rows()), 0);
+      result.traded = 0;
+    }
+  }
+  if (!traded && result.lifted > 0) look_at(Work::passes, sine_of(kLookAgain * options.target_degrees));
   if (context.cancel && context.stop()) return *context.stop();
   result.after = dihedral_statistics(mesh.V, mesh.T);
   result.seconds = since_begin();

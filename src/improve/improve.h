@@ -3,8 +3,8 @@
 // What it does: first Delaunay refinement of the inside (refine.h); then, worst tets first, edge removal and
 // 2-3 flips, optimisation of vertex positions (the worst dihedral sine of the star), contraction of interior
 // edges, insertion of vertices into cavities, in the manner of Klingner and Shewchuk, "Aggressive Tetrahedral
-// Mesh Improvement" (2008). Every change makes the worst of the tets that it replaces better, so the pass
-// never makes a mesh worse.
+// Mesh Improvement" (2008). Every change makes the worst of the tets that it replaces better, so the passes
+// never make a mesh worse.
 //
 // Guaranteed: see src/tet_complex/local_operations.h; in short, boundary vertices, edges and faces stay as
 // they are, every tet stays exactly positive, interior edges keep their one turn, also at each moment in
@@ -13,7 +13,9 @@
 // A large mesh is cut into parts (src/tet_complex/parts.h) that are worked on at the same time; then what is
 // left around the cuts is, in fewer parts, and so on: first the refinement of all, then the passes. Last,
 // the worst tets that are left are looked at with all that is around them, piece by piece, by the dearest
-// means, and the very worst by changes that make something worse at first (lift.h). How many parts depends on
+// means, and the very worst by changes that make something worse at first (lift.h). Where after all this too
+// many tets are bad, and fewer can be, some are given up for the others (fewer_bad.h): the one step that
+// makes tets worse, though none worse than a part of the angle that counts as good. How many parts depends on
 // the number of tets, not on that of threads: same mesh and options, same result. (Only a time limit can
 // break this.)
 #pragma once
@@ -35,6 +37,9 @@ struct ImproveOptions {
   bool insert_vertices = true;
   double insert_below_degrees = 10;  // vertices are inserted for tets this bad only
   double growth = 1.5;               // at most this many times the tets that refinement leaves
+  // Not more than this share of the tets is to have an angle below good_degrees, where that can be had by
+  // giving some up; 1: no matter how many.
+  double good_degrees = 10, bad_share = 0.05;
   // At most this many times the tets of a part are worked on, so that needles of the boundary that nothing
   // can improve cost a bounded effort. A count and not a time: the result must not depend on the machine.
   double effort = 4;
@@ -58,6 +63,7 @@ struct ImproveResult {
   End end = End::target_reached;  // of the part that ended worst
   DihedralStatistics before, after;
   std::int64_t refined = 0;  // vertices that refinement inserted
+  std::int64_t traded = 0;   // changes that made fewer tets bad (fewer_bad.h)
   int lifted = 0;            // times that a place with one of the worst tets got better at last (lift.h)
   std::vector<ImprovePass>
       passes;               // of all parts together: the n-th passes of a round of parts in one record

@@ -341,6 +341,7 @@ TetMesh Run::improved(const TetMesh& mesh) {
         {"contracted_edges", all.collapsed},
         {"inserted_vertices", all.inserted},
         {"lifted", std::int64_t{x.lifted}},
+        {"traded", x.traded},
         {"parts", std::int64_t{x.rounds.empty() ? 0 : *std::max_element(x.rounds.begin(), x.rounds.end())}},
         {"tets", std::int64_t{better.T.rows()}}};
     return success();

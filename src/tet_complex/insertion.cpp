@@ -186,17 +186,22 @@ bool LocalOperations::insert_near(Index t, const Vector3d& start, double gain) {
   return q > gain * worst(cavity_) && fill(cavity_, x);
 }
 
-bool LocalOperations::insert_around(Index t, double gain) {
+std::vector<Vector3d> LocalOperations::places_around(Index t) const {
   const auto middle = [&](Index u) -> Vector3d {
     const auto& c = mesh_.tet(u);
     return (mesh_.position(c[0]) + mesh_.position(c[1]) + mesh_.position(c[2]) + mesh_.position(c[3])) / 4;
   };
-  std::vector<Vector3d> starts{middle(t)};
+  std::vector<Vector3d> places{middle(t)};
   for (int k = 0; k < 4; ++k)
-    if (const Index u = mesh_.neighbour(t, k); u >= 0) starts.push_back(middle(u));
+    if (const Index u = mesh_.neighbour(t, k); u >= 0) places.push_back(middle(u));
   const auto& c = mesh_.tet(t);
   for (int i = 0; i < 4; ++i)
-    for (int j = 0; j < i; ++j) starts.push_back((mesh_.position(c[i]) + mesh_.position(c[j])) / 2);
+    for (int j = 0; j < i; ++j) places.push_back((mesh_.position(c[i]) + mesh_.position(c[j])) / 2);
+  return places;
+}
+
+bool LocalOperations::insert_around(Index t, double gain) {
+  const std::vector<Vector3d> starts = places_around(t);
   return std::any_of(starts.begin(), starts.end(),
                      [&](const Vector3d& x) { return insert_near(t, x, gain); });
 }

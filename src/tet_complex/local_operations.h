@@ -14,7 +14,7 @@
 //     covering of degree one). Old and new tets have the same boundary, hence the same degree at every
 //     point; all positive, they cover every point of the cavity once. So the angle at each edge of the
 //     cavity's boundary is the same before and after, also where that edge is a hinge of more than one turn.
-//  5. With a criterion: the worst tet among those replaced gets better.
+//  5. With a criterion: the worst tet among those replaced gets better; with a price: their price falls.
 //
 // The mesh may overlap itself: nothing here searches by position.
 #pragma once
@@ -101,6 +101,26 @@ class LocalOperations {
   // The same towards a given place: the best of a few points on the way. Must improve the worst.
   bool move_towards(Index v, const Eigen::Vector3d& target);
 
+  // What makes fewer tets bad, be it that other bad ones get worse. (The best worst tet of a star is as good
+  // as several others there: all bad, where one could be.) A tet has a price: nothing when it is as good as
+  // `goal`, else 1 and a little more the worse it is, up to 1 + slope. Below `low` it costs more, up to
+  // `steep`. A change is made when the sum for the tets that it replaces falls. No tet becomes worse than
+  // `low`; those that are get better or stay when they are only moved, else none gets worse than the worst
+  // that it replaces.
+  struct Price {
+    double goal = 0, low = 0;
+    double slope = 1, steep = 0;
+
+    double operator()(double quality) const {
+      if (quality >= goal) return 0;
+      const double p = 1 + slope * (1 - quality / goal);
+      return quality < low ? p + steep * (1 - quality / low) : p;
+    }
+  };
+  bool smooth_cheaper(Index v, const Price& price);
+  bool collapse_cheaper(Index v, Index w, const Price& price);
+  bool insert_cheaper(Index t, const Price& price);  // starts where insert_around() does
+
   // Moves any vertex, boundary ones included, when every tet of its star stays exactly positive. (Volume is
   // linear in one vertex, so it is positive on the whole way: no edge gets another turn.)
   bool place(Index v, const Eigen::Vector3d& p);
@@ -123,6 +143,8 @@ class LocalOperations {
   using Face = std::array<Index, 3>;  // (face, x) is positive for the vertex x that sees it
   struct Base {                       // where a face's corners are
     Eigen::Vector3d a, b, c;
+    double weight = 1;  // of the quality of the tet on it, in quality_at() and optimise()
+    double floor = 0;   // the least quality that it may have when others are to get better
   };
 
   // Replaces the tets by added_ and keeps the tables; false when what is shared forbids it.
@@ -146,7 +168,11 @@ class LocalOperations {
   double optimise(Eigen::Vector3d& x, double q, int rounds);
   // Replaces the cavity (grown first) by a new vertex that sees its faces; starts looking at `start`.
   bool insert(Tets& cavity, const Eigen::Vector3d& start, double gain);
-  bool seen_once(const Eigen::Vector3d& x) const;           // hull_ from x, which sees all of its faces
+  // The cheapest place found from x for a vertex that sees bases_; returns the price of the tets there.
+  double cheapest(Eigen::Vector3d& x, const Price& price);
+  bool insert_cheaper_near(Index t, const Eigen::Vector3d& start, const Price& price);
+  std::vector<Eigen::Vector3d> places_around(Index t) const;  // where a vertex might go
+  bool seen_once(const Eigen::Vector3d& x) const;             // hull_ from x, which sees all of its faces
   bool fill(const Tets& cavity, const Eigen::Vector3d& x);  // tets from hull_ to a new vertex; pre: x sees it
   bool hull_of(const Tets& cavity, std::vector<Face>& hull);  // false: not a ball with free inside vertices
   struct Refill {

@@ -63,13 +63,13 @@ Vector3d nearest_to_origin(const Vector3d* g, int n) {
 void LocalOperations::load_bases() {
   bases_.clear();
   for (const Face& f : faces_)
-    bases_.push_back({mesh_.position(f[0]), mesh_.position(f[1]), mesh_.position(f[2])});
+    bases_.push_back({mesh_.position(f[0]), mesh_.position(f[1]), mesh_.position(f[2]), 1, 0});
 }
 
 double LocalOperations::quality_at(const Vector3d& x, double stop) {
   double q = kInfinity;
   for (std::size_t i = 0; i < bases_.size(); ++i) {
-    const double here = min_dihedral_sine(bases_[i].a, bases_[i].b, bases_[i].c, x);
+    const double here = bases_[i].weight * min_dihedral_sine(bases_[i].a, bases_[i].b, bases_[i].c, x);
     if (here >= q) continue;
     q = here;
     // The next trial is likely to fail at the same place: look there first.
@@ -93,7 +93,7 @@ double LocalOperations::optimise(Vector3d& x, double q, int rounds) {
     worst_of.clear();
     double lowest = kInfinity;
     for (const Base& f : bases_) {
-      worst_of.push_back(min_dihedral_sine(f.a, f.b, f.c, x));
+      worst_of.push_back(f.weight * min_dihedral_sine(f.a, f.b, f.c, x));
       lowest = std::min(lowest, worst_of.back());
     }
     DihedralSines sines;
@@ -103,8 +103,9 @@ double LocalOperations::optimise(Vector3d& x, double q, int rounds) {
       const Base& f = bases_[i];
       dihedral_sines(f.a, f.b, f.c, x, sines);
       for (int e = 0; e < 6; ++e) {
-        if (sines.sine[e] > kFarFromWorst * lowest) continue;
-        const double s = std::log(std::max(sines.sine[e], 1e-40));
+        const double sine = f.weight * sines.sine[e];
+        if (sine > kFarFromWorst * lowest) continue;
+        const double s = std::log(std::max(sine, 1e-40));
         if (!std::isfinite(s) || !sines.log_gradient[e].allFinite()) continue;
         all.push_back({s, sines.log_gradient[e]});
         least = std::min(least, s);

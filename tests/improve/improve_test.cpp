@@ -4,15 +4,18 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <random>
 #include <vector>
 
 #include "kernels/parallel/parallel.h"
+#include "kernels/tet_energy/tet_quality.h"
 #include "src/improve/lift.h"
 #include "src/improve/passes.h"
 #include "src/improve/refine.h"
 #include "src/tet_complex/local_operations.h"
 #include "src/tetgen/tetgen.h"
+#include "tests/support/flow_surfaces.h"
 #include "tests/support/tet_checks/tet_checks.h"
 #include "tests/support/tet_shapes.h"
 
@@ -60,6 +63,15 @@ int squeeze(TetMesh& mesh, double height, int levels, unsigned seed) {
 }
 
 void expect_valid(const TetMesh& mesh) { test::expect_valid(TetComplex(mesh.V, mesh.T)); }
+
+// Of the tets: how many have a smaller dihedral angle, or one that is as near to 180 degrees.
+double share_below(const TetMesh& mesh, double degrees) {
+  double below = 0;
+  for (Index t = 0; t < mesh.T.rows(); ++t)
+    below += min_dihedral_sine(mesh.V.row(mesh.T(t, 0)), mesh.V.row(mesh.T(t, 1)), mesh.V.row(mesh.T(t, 2)),
+                               mesh.V.row(mesh.T(t, 3))) < std::sin(degrees * M_PI / 180);
+  return below / static_cast<double>(mesh.T.rows());
+}
 
 TEST(Improve, RaisesTheSmallestAngleAndLeavesTheBoundary) {
   for (const Surface& s : {test::torus_surface(30, 12, 2, .7), test::sphere_surface(2)}) {
@@ -171,6 +183,57 @@ TEST(Lift, ManyPlacesOneAfterTheOther) {
   EXPECT_GT(nth(12), 0.99 * target);
 }
 
+// A triangular tube with faces so long that no mesh has good tets only.
+Surface thin_tube() {
+  return test::tube([](double t) { return Eigen::Vector3d(t, 0, 0); }, 0.004, 25, 3);
+}
+
+TEST(Improve, FewerBadTetsWhereTooManyAre) {
+  const TetMesh start = filled(thin_tube());
+  ImproveOptions options;
+  options.bad_share = 1;
+  TetMesh alike = start;
+  const auto all_alike = improve(alike, options, {});
+  ASSERT_TRUE(all_alike.ok());
+  EXPECT_EQ(0, all_alike.value().traded);
+  const double share = share_below(alike, 10);
+  ASSERT_GT(share, 0.1) << "not thin enough";
+
+  options.bad_share = 0.8 * share;
+  TetMesh first;
+  for (const int threads : {1, 2}) {
+    const ScopedThreads scope(threads);
+    TetMesh mesh = start;
+    const auto r = improve(mesh, options, {});
+    ASSERT_TRUE(r.ok());
+    EXPECT_GT(r.value().traded, 0);
+    EXPECT_LE(share_below(mesh, 10), options.bad_share);
+    EXPECT_GT(r.value().after.min, std::min(4.69, 0.999 * all_alike.value().after.min));
+    expect_valid(mesh);
+    EXPECT_EQ(boundary_of(start), boundary_of(mesh));
+    if (threads == 1) first = mesh;
+    EXPECT_EQ(first.T, mesh.T);
+    EXPECT_EQ(first.V, mesh.V);
+  }
+
+  // Where what is wanted is out of reach none is given up.
+  options.bad_share = share / 2.4;
+  TetMesh mesh = start;
+  const auto in_vain = improve(mesh, options, {});
+  ASSERT_TRUE(in_vain.ok());
+  EXPECT_EQ(0, in_vain.value().traded);
+  EXPECT_EQ(alike.T, mesh.T);
+  EXPECT_EQ(alike.V, mesh.V);
+}
+
+TEST(Improve, WhereFewAreBadNoneIsGivenUp) {
+  TetMesh mesh = filled(test::torus_surface(30, 12, 2, .7));
+  const auto r = improve(mesh, {}, {});
+  ASSERT_TRUE(r.ok());
+  ASSERT_LT(share_below(mesh, 10), 0.05);
+  EXPECT_EQ(0, r.value().traded);
+}
+
 TEST(Refine, BadRadiiBecomeFewAndTheMeshStaysValid) {
   for (const TetMesh& mesh : {filled(test::torus_surface(40, 16, 2, .7)), test::bent_grid(4, 600, 0.2, 3)}) {
     TetComplex c(mesh.V, mesh.T);
@@ -258,6 +321,9 @@ TEST(Improve, OptionsCancelAndTime) {
   TetMesh mesh = filled(test::sphere_surface(2));
   ImproveOptions options;
   options.target_degrees = 60;
+  EXPECT_EQ(ErrorCode::usage, improve(mesh, options, {}).error().code);
+  options = {};
+  options.bad_share = 1.5;
   EXPECT_EQ(ErrorCode::usage, improve(mesh, options, {}).error().code);
   options = {};
   options.seconds = 0;

@@ -120,6 +120,56 @@ TEST(LocalOperations, RandomOperationsKeepEverything) {
   }
 }
 
+// Moves, contractions and insertions that make fewer tets bad: what they promise, at random places.
+TEST(LocalOperations, PricesFallAndNoTetFallsTooFar) {
+  std::array<int, 3> done{};
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    const TetMesh mesh = test::bent_grid(4, 500, 0.2, seed);
+    TetComplex c(mesh.V, mesh.T);
+    const auto boundary = test::boundary_faces(c);
+    LocalOperations work(c);
+    LocalOperations::Price price{.goal = 0.3, .low = 0.15};
+    // Pairs of a sum and how many tets are below `low`.
+    const auto rated = [&] {
+      std::pair<double, int> sum{0, 0};
+      for (Index t = 0; t < c.tet_capacity(); ++t)
+        if (c.alive(t)) {
+          sum.first += price(work.quality(t));
+          sum.second += work.quality(t) < 0.999 * price.low;
+        }
+      return sum;
+    };
+    for (int step = 0; step < 800; ++step) {
+      const Index t = random_tet(c, random);
+      const auto v = c.tet(t);
+      const int i = static_cast<int>(random() % 4), j = static_cast<int>((i + 1 + random() % 3) % 4);
+      price.steep = step % 2 == 0 ? 0 : 5;
+      const auto before = rated();
+      const double worst = worst_tet(c);
+      const int kind = static_cast<int>(random() % 3);
+      const bool ok = kind == 0   ? work.smooth_cheaper(v[i], price)
+                      : kind == 1 ? work.collapse_cheaper(v[i], v[j], price)
+                                  : work.insert_cheaper(t, price);
+      const auto after = rated();
+      done[kind] += ok;
+      if (ok) {
+        ASSERT_LT(after.first, before.first) << "operation " << kind;
+        ASSERT_GE(worst_tet(c), 0.999 * std::min(worst, price.low)) << "operation " << kind;
+        if (kind == 0) {
+          ASSERT_LE(after.second, before.second);
+        }
+      } else {
+        ASSERT_EQ(after, before) << "operation " << kind;
+      }
+    }
+    test::expect_valid(c);
+    EXPECT_EQ(boundary, test::boundary_faces(c));
+  }
+  for (int kind = 0; kind < 3; ++kind) EXPECT_GT(done[kind], 0) << "operation " << kind;
+}
+
 // The edge removal's dynamic programme against all triangulations of the ring polygon.
 double best_by_hand(const std::vector<Eigen::Vector3d>& ring, const Eigen::Vector3d& a,
                     const Eigen::Vector3d& b, std::size_t i, std::size_t j) {
