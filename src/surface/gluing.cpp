@@ -29,6 +29,13 @@ constexpr std::int64_t kMostSteps = 4'000'000;
 // To find out whether a conflict is still one without some condition.
 constexpr std::int64_t kMostStepsToDrop = 50'000;
 
+// Where the search is too long, so many conditions around a hinge are tried by themselves, and more as long
+// as that is quick; with few steps at first, and so many in all (some seconds).
+constexpr std::size_t kNear[] = {10, 20, 40, 60, 80, 100, 120, 160};
+constexpr std::size_t kMostHinges = 32;
+constexpr std::int64_t kStepsNear[] = {100'000, 4'000'000};
+constexpr std::int64_t kMostStepsNear = 24'000'000;
+
 class Checker {
  public:
   Checker(const Surface& surface, const SurfaceTopology& topology, const TriangleBvh& bvh,
@@ -70,6 +77,13 @@ class Checker {
       if (auto stop = context_.stop()) return *stop;
       if (answer == GluingSearch::Answer::found) continue;
       if (answer == GluingSearch::Answer::too_long) {
+        if (const auto conflict = near_hinges(pairs, most, out.steps)) {
+          out.verdict = GluingVerdict::conflict;
+          name(fewer(*conflict, out.steps), out);
+          if (auto stop = context_.stop()) return *stop;
+          return out;
+        }
+        if (auto stop = context_.stop()) return *stop;
         out.verdict = GluingVerdict::undecided;
         out.message = "The search for a gluing was given up.";
         return out;
@@ -373,6 +387,54 @@ class Checker {
     }
   }
 
+  std::array<double, 3> place_of(const Condition& c) const {
+    if (c.most < 0) {
+      const FaceCuts::Piece& p = cuts_.pieces[c.piece];
+      return exact::approximate(Rational(1, 2) * (cuts_.place(p.from) + cuts_.place(p.to)));
+    }
+    const Eigen::RowVector3d m = (surface_.V.row(c.edge[0]) + surface_.V.row(c.edge[1])) / 2;
+    return {m[0], m[1], m[2]};
+  }
+
+  // A conflict among the conditions closest to one of the hinges, if that is found. least: of kSheets, what
+  // is known to contradict nothing has fewer sheets.
+  std::optional<std::vector<Condition>> near_hinges(const std::vector<FacePair>& pairs, int least,
+                                                    std::int64_t& steps) const {
+    std::set<Index> hinges;
+    for (const auto& [f, g] : pairs)
+      for (const Index v : surface_.F.row(f))
+        if ((surface_.F.row(g).array() == v).any() && hinges.size() < kMostHinges) hinges.insert(v);
+    std::vector<std::array<double, 3>> places;
+    for (const Condition& c : conditions_) places.push_back(place_of(c));
+    const std::int64_t end = steps + kMostStepsNear;
+    for (const std::int64_t budget : kStepsNear)
+      for (const int most : kSheets) {
+        if (most < least) continue;
+        for (const Index v : hinges) {
+          std::vector<std::pair<double, std::size_t>> order;
+          for (std::size_t i = 0; i < conditions_.size(); ++i) {
+            const auto& regions = conditions_[i].regions;
+            if (std::all_of(regions.begin(), regions.end(),
+                            [&](Index r) { return r < 0 || sheets_[inner_[r]] <= most; }))
+              order.emplace_back((surface_.V.row(v) - Eigen::RowVector3d::Map(places[i].data())).norm(), i);
+          }
+          std::sort(order.begin(), order.end());
+          for (const std::size_t size : kNear) {
+            std::vector<Condition> some;
+            for (std::size_t i = 0; i < std::min(size, order.size()); ++i)
+              some.push_back(conditions_[order[i].second]);
+            GluingSearch search = searching(std::move(some));
+            const GluingSearch::Answer answer = search.run(budget);
+            steps += search.steps();
+            if (steps > end || context_.stop()) return std::nullopt;
+            if (answer == GluingSearch::Answer::none) return search.needed();
+            if (answer == GluingSearch::Answer::too_long || size >= order.size()) break;
+          }
+        }
+      }
+    return std::nullopt;
+  }
+
   // A conflict in which nothing is left out that it can do without.
   std::vector<Condition> fewer(std::vector<Condition> conflict, std::int64_t& steps) const {
     const auto still = [&](const std::vector<Condition>& some) -> std::optional<std::vector<Condition>> {
@@ -404,8 +466,7 @@ class Checker {
         continue;
       }
       const FaceCuts::Piece& p = cuts_.pieces[c.piece];
-      const Vec middle = Rational(1, 2) * (cuts_.place(p.from) + cuts_.place(p.to));
-      out.crossings.push_back({{p.f, p.g}, sheets_[outer_[c.regions[0]]], exact::approximate(middle)});
+      out.crossings.push_back({{p.f, p.g}, sheets_[outer_[c.regions[0]]], place_of(c)});
     }
     std::sort(out.edges.begin(), out.edges.end());
     out.edges.erase(std::unique(out.edges.begin(), out.edges.end()), out.edges.end());

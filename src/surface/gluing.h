@@ -10,7 +10,8 @@
 // after k turns more than the surface shows, k at most the number of times that it is covered.
 //
 // These conditions are necessary for any mesh. All of them are tried together, by exhaustive search; where
-// they contradict each other, a few that do so by themselves are the certificate.
+// they contradict each other, a few that do so by themselves are the certificate. Where that search takes too
+// long, those closest to each hinge are tried by themselves: what contradicts itself is mostly there.
 //
 // Exact: the curves, the parts of faces and the order of sectors are found from the input's doubles with
 // exact predicates and rational numbers; nothing is rounded, and no mesh is made. Only for surfaces in

@@ -343,6 +343,23 @@ TEST_F(CheckWitness, LayersThatCannotBeGlued) {
       << said_;
 }
 
+// Two copies a hair apart, each of which covers the other's edges: too much for one search, but what
+// contradicts itself lies around a hinge.
+TEST_F(CheckWitness, LayersThatCannotBeGluedNearAHinge) {
+  const std::uint64_t seed = 17;
+  const Surface one =
+      pierced_at_hinge(test::elbow(90 + 20.0 * static_cast<double>(seed % 6), 8 + seed % 5), seed);
+  ASSERT_EQ(diagnosed(one).verdict, Verdict::obstructed);
+  Surface other = one;
+  other.V.rowwise() += 1e-4 * Eigen::RowVector3d(-0.8, 0.1, 0.6);
+  const Surface s = test::joined(one, other);
+  const Diagnosis d = diagnosed(s);
+  ASSERT_EQ(d.verdict, Verdict::feasible);
+  const GluingAnswer a = check_gluing(s, d.topology.topology, *d.bvh, d.pairs, {}).value();
+  ASSERT_EQ(a.verdict, GluingVerdict::conflict) << a.message;
+  EXPECT_EQ(answer(s, gluing_witness(a, a.crossings.size() + a.edges.size())), 0) << said_;
+}
+
 TEST_F(CheckWitness, FacesThatLieOnEachOther) {
   const Surface s = test::mirrored_folds();
   const Diagnosis d = diagnosed(s);
