@@ -153,33 +153,33 @@ bool LocalOperations::insert(Tets& cavity, const Vector3d& start, double gain) {
   return fill(cavity, x);
 }
 
+double LocalOperations::grow_cavity(Index t, const Vector3d& x, double need, std::size_t most,
+                                    bool boundary_too) {
+  cavity_ = {t};
+  const std::uint32_t inside = ++tet_stamp_;
+  tet_mark_[t] = inside;
+  for (std::size_t i = 0; i < cavity_.size(); ++i)
+    for (int k = 0; k < 4; ++k) {
+      const Index u = mesh_.neighbour(cavity_[i], k);
+      if (u >= 0 ? tet_mark_[u] == inside : !boundary_too) continue;
+      const Face f = inner_face(cavity_[i], k);
+      if (min_dihedral_sine(mesh_.position(f[0]), mesh_.position(f[1]), mesh_.position(f[2]), x) > need)
+        continue;
+      if (u < 0 || cavity_.size() == most) return 0;
+      tet_mark_[u] = inside;
+      cavity_.push_back(u);
+    }
+  if (!hull_of(cavity_, hull_)) return 0;
+  faces_ = hull_;
+  load_bases();
+  return quality_at(x, 0);
+}
+
 bool LocalOperations::insert_near(Index t, const Vector3d& start, double gain) {
   Vector3d x = start;
-  const auto quality_of_face = [&](const Face& f) {
-    return min_dihedral_sine(mesh_.position(f[0]), mesh_.position(f[1]), mesh_.position(f[2]), x);
-  };
   double q = 0;
   for (const double part : kPartsOfNeed) {
-    const bool last = part == 1;
-    const double need = part * gain * quality_[t];
-    cavity_ = {t};
-    const std::uint32_t inside = ++tet_stamp_;
-    tet_mark_[t] = inside;
-    for (std::size_t i = 0; i < cavity_.size(); ++i)
-      for (int k = 0; k < 4; ++k) {
-        const Index u = mesh_.neighbour(cavity_[i], k);
-        if (u >= 0 && tet_mark_[u] == inside) continue;
-        if (quality_of_face(inner_face(cavity_[i], k)) > need) continue;
-        if (u < 0 && last) return false;
-        if (u < 0) continue;
-        if (cavity_.size() == kLargestCavity) return false;
-        tet_mark_[u] = inside;
-        cavity_.push_back(u);
-      }
-    if (!hull_of(cavity_, hull_)) return false;
-    faces_ = hull_;
-    load_bases();
-    q = quality_at(x, 0);
+    q = grow_cavity(t, x, part * gain * quality_[t], kLargestCavity, part == 1);
     if (!(q > 0)) return false;
     q = optimise(x, q, 4);
   }

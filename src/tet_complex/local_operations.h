@@ -166,6 +166,10 @@ class LocalOperations {
   double quality_at(const Eigen::Vector3d& x, double stop);
   // Climbs from x, whose quality is q; returns the quality reached. x changes only for the better.
   double optimise(Eigen::Vector3d& x, double q, int rounds);
+  // The tets around t with faces that make tets with x no better than `need`, `most` at most, go to cavity_,
+  // the faces around them to hull_ and bases_. boundary_too: faces of the boundary have to be better, too.
+  // Returns the worst quality of a vertex at x; not positive where there is no such cavity.
+  double grow_cavity(Index t, const Eigen::Vector3d& x, double need, std::size_t most, bool boundary_too);
   // Replaces the cavity (grown first) by a new vertex that sees its faces; starts looking at `start`.
   bool insert(Tets& cavity, const Eigen::Vector3d& start, double gain);
   // The cheapest place found from x for a vertex that sees bases_; returns the price of the tets there.

@@ -110,25 +110,7 @@ bool LocalOperations::collapse_cheaper(Index v, Index w, const Price& price) {
 bool LocalOperations::insert_cheaper_near(Index t, const Vector3d& start, const Price& price) {
   Vector3d x = start;
   for (const double part : kPartsOfGoal) {
-    const double need = part * price.goal;
-    cavity_ = {t};
-    const std::uint32_t inside = ++tet_stamp_;
-    tet_mark_[t] = inside;
-    for (std::size_t i = 0; i < cavity_.size(); ++i)
-      for (int k = 0; k < 4; ++k) {
-        const Index u = mesh_.neighbour(cavity_[i], k);
-        if (u < 0 || tet_mark_[u] == inside) continue;
-        const Face f = inner_face(cavity_[i], k);
-        if (min_dihedral_sine(mesh_.position(f[0]), mesh_.position(f[1]), mesh_.position(f[2]), x) > need)
-          continue;
-        if (cavity_.size() == kLargestCavity) return false;
-        tet_mark_[u] = inside;
-        cavity_.push_back(u);
-      }
-    if (!hull_of(cavity_, hull_)) return false;
-    faces_ = hull_;
-    load_bases();
-    const double q = quality_at(x, 0);
+    const double q = grow_cavity(t, x, part * price.goal, kLargestCavity, false);
     if (!(q > 0)) return false;
     optimise(x, q, 4);
   }
