@@ -77,7 +77,7 @@ Result<ImmersionResult> attempt(const Surface& surface, const std::vector<FacePa
   plc.markers.resize(plc.F.rows());
   for (std::size_t g = 0; g < plc.markers.size(); ++g) plc.markers[g] = static_cast<Index>(g) + 1;
   TetgenOptions tetgen;
-  tetgen.quality = options.radius_edge > 0 && worth_refining(surface.V, surface.F);
+  tetgen.quality = options.radius_edge > 0 && worth_refining(plc.V, plc.F);
   if (tetgen.quality) tetgen.radius_edge = options.radius_edge;
   tetgen.patience = options.patience;
   tetgen.accept_split = true;  // added points leave the boundary like those of the arrangement

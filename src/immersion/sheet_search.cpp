@@ -12,8 +12,12 @@ namespace {
 // right are made from the gluings around them.
 constexpr double kMostListed = 150;
 
-// Where that must do, and nothing around is known, beyond this number the search gives up.
+// Where that must do, and nothing around is known, beyond this number the search gives up. No more are made
+// from what is around.
 constexpr double kMostOptions = 50'000;
+
+// To make a gluing takes about as long as to look at so many.
+constexpr std::int64_t kLooksToMake = 20;
 
 // At an edge that may be wound all numbers of turns are tried where a region has no more gluings than the
 // first of these numbers (windings of 5 and 6), else as many turns as the second one.
@@ -180,6 +184,7 @@ std::optional<std::vector<Index>> SheetSearch::possible(Index r) {
     }
     if (fits) costs.emplace_back(cost, o);
   }
+  looks_ += static_cast<std::int64_t>(candidates.size());
   chosen_[r] = nullptr;
   std::sort(costs.begin(), costs.end());
   for (const auto& [cost, o] : costs) out.push_back(o);
@@ -282,9 +287,13 @@ std::optional<std::vector<Index>> SheetSearch::options_around(const Fan& fan, In
           more.path.push_back(f);
           if (x >= front && more.target[x] < 0) continue;
           made.push_back(std::move(more));
+          if (static_cast<double>(made.size()) <= kMostOptions) continue;
+          cut_short_ = true;
+          return std::nullopt;
         }
     begin = end;
   }
+  looks_ += kLooksToMake * static_cast<std::int64_t>(made.size());
   std::vector<Index> out;
   for (const Made& m : made) {
     Gluing option{std::vector<int>(front, -100), std::vector<int>(back, -100)};
@@ -338,7 +347,7 @@ bool SheetSearch::search(const std::vector<Index>& part) {
     const Found found = attempt(part, std::min(most, last - nodes_), round > 0);
     if (found == Found::yes) return true;
     if (found == Found::no) return false;
-    if (nodes_ < last && !context_.stop()) continue;
+    if (nodes_ < last && !worn_out() && !context_.stop()) continue;
     cut_short_ = true;
     return false;
   }
@@ -420,7 +429,7 @@ SheetSearch::Found SheetSearch::attempt(const std::vector<Index>& part, std::int
       if (level.next < level.options.size()) {
         chosen_[level.region] = &options_[level.region][level.options[level.next++]];
         spoil(level.region);
-        if (++nodes_ > end || (nodes_ % 256 == 0 && context_.stop())) return give_up();
+        if (++nodes_ > end || worn_out() || (nodes_ % 256 == 0 && context_.stop())) return give_up();
         break;
       }
       stale[at[level.region]] = 1;

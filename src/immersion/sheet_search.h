@@ -38,6 +38,10 @@ class SheetSearch {
   // Steps before a search counts as unsolved; natural inputs need about one a region.
   static constexpr std::int64_t kMostNodes = 2'000'000;
 
+  // Gluings held against the fans before it does, too; natural inputs need about ten a region. Where the
+  // solid covers itself nine times a single step may need millions.
+  static constexpr std::int64_t kMostLooks = 20'000'000;
+
   // winding: of each cell. All arguments must outlive the search.
   SheetSearch(const std::vector<Region>& regions, const std::vector<Index>& winding,
               const SheetPuzzle& puzzle, const RunContext& context, std::int64_t most_nodes = kMostNodes);
@@ -61,6 +65,8 @@ class SheetSearch {
  private:
   enum class Found { yes, no, too_long };
 
+  bool worn_out() const { return looks_ > kMostLooks; }
+
   void name_copies();
   std::optional<std::vector<Index>> possible(Index r);
   bool is_complete(const Fan& fan, Index open = -1) const;
@@ -78,6 +84,7 @@ class SheetSearch {
   const std::int64_t most_nodes_;
   bool cut_short_ = false;
   std::int64_t nodes_ = 0;
+  std::int64_t looks_ = 0;
   std::vector<Named> named_;                              // per region
   std::vector<std::deque<Gluing>> options_;               // addresses stay
   std::vector<char> listed_;                              // whether these are all

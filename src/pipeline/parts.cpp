@@ -143,7 +143,10 @@ class PartsMesher {
         whole.box.add(part.box);
       }
       for (const Part& part : joined) size += part.components.size();
-      if (joined.size() == 1 || size == route_.diagnosis.topology.topology.components.size()) return e;
+      if (joined.size() == 1 || size == route_.diagnosis.topology.topology.components.size())
+        return Error{e.code,
+                     "The part with component " + std::to_string(group[0].components[0]) +
+                         ", by itself and with its vertices counted from 0, has no mesh: " + e.message};
       std::sort(whole.components.begin(), whole.components.end());
       waiting.push_back({std::move(whole)});
     }
@@ -268,12 +271,8 @@ bool has_parts(const Surface& surface, const Diagnosis& d) {
 }
 
 Result<TetMesh> mesh_by_parts(const PartsRoute& route) {
-  Result<TetMesh> mesh = timed_stage("parts", route.records, route.context,
-                                     [&](StageRecord& record) { return PartsMesher(route).run(record); });
-  if (mesh) return mesh;
-  Error error = mesh.error();
-  error.exhausted = false;  // what has been tried in vain is one part by itself
-  return error;
+  return timed_stage("parts", route.records, route.context,
+                     [&](StageRecord& record) { return PartsMesher(route).run(record); });
 }
 
 }  // namespace overtet

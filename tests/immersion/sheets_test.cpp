@@ -240,6 +240,25 @@ TEST(Sheets, LongSearchesBeginAgainWhereTheyFailed) {
   EXPECT_EQ(gluing_of(p).verdict, GluingVerdict::open);
 }
 
+// Each step has a thousand gluings to look at where two elbows without a mesh, a hair apart, lie in three
+// balls; the search is given up after so many looks (it took over a minute), and does not claim to have seen
+// all.
+TEST(Sheets, SearchOfADeepCoverIsGivenUp) {
+  const Surface elbow = test::obstructed_elbow(2);
+  const Eigen::Vector3d at = elbow.V.row(test::diagnosed(elbow).hinges.front().vertex);
+  Surface s = test::joined(
+      elbow, test::transformed(elbow, Eigen::Matrix3d::Identity(), Eigen::Vector3d(3e-3, 2e-3, -1e-3)));
+  for (int i = 0; i < 3; ++i)
+    s = test::joined(s, test::sphere(1, 0.4 + 0.02 * i, at + 0.05 * Eigen::Vector3d(0.3, 0.5, 0.7)));
+  const Prepared p = test::prepared(s);
+  ASSERT_EQ(p.diagnosis.verdict, Verdict::feasible);
+  ASSERT_EQ(p.diagnosis.winding.max, 7);
+  const Result<Sheets> sheets = sheets_of(p);
+  ASSERT_FALSE(sheets.ok());
+  EXPECT_EQ(sheets.error().code, ErrorCode::unsolved);
+  EXPECT_FALSE(sheets.error().exhausted);
+}
+
 // Elbows whose hinges can all be filled, one by one, but not at once: the search sees everything in vain, and
 // the curves say why, in few words, of which none is idle.
 TEST(Sheets, ConflictsOfCurvesHaveNoGluing) {
