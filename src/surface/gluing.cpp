@@ -26,8 +26,9 @@ constexpr int kSheets[] = {3, 4, 6};
 // Gluings of single regions looked at, in all (about a second); then the matter is left undecided.
 constexpr std::int64_t kMostSteps = 4'000'000;
 
-// To find out whether a conflict is still one without some condition.
-constexpr std::int64_t kMostStepsToDrop = 50'000;
+// To find out whether a conflict is still one without some condition: so many, or so many times what the
+// conflict itself has taken; in all (some seconds).
+constexpr std::int64_t kMostStepsToDrop = 50'000, kTimesToDrop = 2, kMostStepsToName = 24'000'000;
 
 // Where the search is too long, so many conditions around a hinge are tried by themselves, and more as long
 // as that is quick; with few steps at first, and so many in all (some seconds).
@@ -437,18 +438,21 @@ class Checker {
 
   // A conflict in which nothing is left out that it can do without.
   std::vector<Condition> fewer(std::vector<Condition> conflict, std::int64_t& steps) const {
+    const std::int64_t end = steps + kMostStepsToName;
+    std::int64_t most = kMostSteps;
     const auto still = [&](const std::vector<Condition>& some) -> std::optional<std::vector<Condition>> {
       GluingSearch search = searching(some);
-      const GluingSearch::Answer answer = search.run(kMostStepsToDrop);
+      const GluingSearch::Answer answer = search.run(std::min(most, end - steps));
       steps += search.steps();
       if (answer != GluingSearch::Answer::none) return std::nullopt;
+      most = std::max(kMostStepsToDrop, kTimesToDrop * search.steps());
       return search.needed();
     };
     while (auto less = still(conflict)) {
       if (less->size() >= conflict.size()) break;
       conflict = std::move(*less);
     }
-    for (std::size_t i = 0; i < conflict.size() && !context_.stop();) {
+    for (std::size_t i = 0; i < conflict.size() && steps < end && !context_.stop();) {
       std::vector<Condition> without = conflict;
       without.erase(without.begin() + static_cast<std::ptrdiff_t>(i));
       if (auto less = still(without))

@@ -65,7 +65,7 @@ GluingSearch::GluingSearch(std::vector<GluingCondition> conditions, const std::v
   of_.resize(n);
   ways_.resize(n);
   way_.assign(n, nullptr);
-  weight_.assign(conditions_.size(), 1);
+  for (const GluingCondition& c : conditions_) weight_.push_back(c.weight);
   used_.assign(conditions_.size(), 0);
   for (std::size_t k = 0; k < conditions_.size(); ++k)
     conditions_[k].each([&](Index r) {
@@ -79,7 +79,7 @@ GluingSearch::GluingSearch(std::vector<GluingCondition> conditions, const std::v
 std::vector<GluingCondition> GluingSearch::needed() const {
   std::vector<GluingCondition> out;
   for (std::size_t k = 0; k < used_.size(); ++k)
-    if (used_[k]) out.push_back(conditions_[k]);
+    if (used_[k]) out.push_back(conditions_[k]), out.back().weight = weight_[k];
   return out;
 }
 

@@ -25,6 +25,7 @@ struct GluingCondition {
   int most = -1;                      // turns at an edge
   Index piece = -1;                   // of a curve
   std::array<Index, 2> edge{-1, -1};  // of the input
+  double weight = 1;                  // how much in the way it has been in the searches before
 
   template <class F>
   void each(F&& f) const {
@@ -51,7 +52,8 @@ class GluingSearch {
 
   enum class Answer { found, none, too_long };
   std::int64_t steps() const { return steps_; }
-  // Of `none`: the conditions that the search has needed.
+  // Of `none`: the conditions that the search has needed, with their weights: a search for fewer begins
+  // there.
   std::vector<GluingCondition> needed() const;
 
   // most: gluings of single regions looked at before the search gives up.

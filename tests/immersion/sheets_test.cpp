@@ -283,6 +283,25 @@ TEST(Sheets, ConflictsOfCurvesHaveNoGluing) {
   }
 }
 
+// To refute everything takes a million steps here; with what has been learnt on the way a few conditions are
+// refuted in hundreds, so that the certificate is short (141 conditions were named).
+TEST(Sheets, LongConflictsAreNamedInFewWords) {
+  const std::uint64_t seed = 293;
+  const Surface elbow = test::noisy(test::elbow(190, 11), seed, 0.2);
+  const auto crossed = test::diagnosed(elbow).hinges;
+  ASSERT_FALSE(crossed.empty());
+  const Eigen::Vector3d at = elbow.V.row(crossed[seed % crossed.size()].vertex);
+  const Surface one = test::joined(elbow, test::sphere(1, 0.4, at + 0.05 * Eigen::Vector3d(0.3, 0.5, 0.7)));
+  const Surface s = test::joined(
+      one, test::transformed(one, Eigen::Matrix3d::Identity(), 1e-4 * Eigen::Vector3d(0.3, 0.7, -0.5)));
+  const Diagnosis d = test::diagnosed(s);
+  ASSERT_EQ(d.verdict, Verdict::feasible);
+  const GluingAnswer answer = check_gluing(s, d.topology.topology, *d.bvh, d.pairs, {}).value();
+  ASSERT_EQ(answer.verdict, GluingVerdict::conflict) << answer.message;
+  EXPECT_GT(answer.steps, 1'000'000);
+  EXPECT_LE(answer.crossings.size() + answer.edges.size(), 20u);
+}
+
 TEST(Sheets, SpeakOfOneTetAtATime) {
   const Prepared p = test::prepared(test::curled_worm(410, 8));
   const Result<Sheets> sheets = sheets_of(p);
