@@ -1,8 +1,11 @@
 #include "src/immersion/sheet_search.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <limits>
 #include <numeric>
+
+#include "src/immersion/next_region.h"
 
 namespace overtet {
 
@@ -370,21 +373,6 @@ SheetSearch::Found SheetSearch::attempt(const std::vector<Index>& part, std::int
   };
   for (std::size_t i = 0; i < part.size(); ++i) at[part[i]] = i, look(i);
   const std::int64_t end = nodes_ + most;
-  std::vector<char> stale(part.size(), 0);
-  std::vector<int> touched(part.size(), 0);  // changes next to it
-  const auto spoil = [&](Index r) {
-    for (const Index c : fans_of_[r])
-      for (const Index other : open_members_.at(c))
-        if (const auto it = at.find(other); it != at.end()) stale[it->second] = 1;
-    for (const Index c : free_fans_of_[r])
-      for (const auto& leaf : puzzle_.free_fans[c].fan.leaves)
-        if (const auto it = at.find(leaf.region); it != at.end())
-          stale[it->second] = 1, ++touched[it->second];
-  };
-  const auto give_up = [&] {
-    for (const Level& level : levels) chosen_[level.region] = nullptr;
-    return Found::too_long;
-  };
   // Options left; a region's share of dead ends makes them fewer.
   const auto size = [&](std::size_t i) {
     if (!left[i]) return std::numeric_limits<double>::max();
@@ -395,19 +383,48 @@ SheetSearch::Found SheetSearch::attempt(const std::vector<Index>& part, std::int
     for (const Index c : free_fans_of_[part[i]]) weight += weight_[puzzle_.fans.size() + c];
     return 1 + n / (1 + weight);
   };
+  std::vector<int> touched(part.size(), 0);  // changes next to it
+  NextRegion open(part.size());
+  const auto rank = [&](std::size_t i) { open.set(i, size(i), touched[i]); };
+  for (std::size_t i = 0; i < part.size(); ++i) rank(i);
+  std::set<std::size_t> stale;  // open ones to be looked at again
+  const auto spoil_one = [&](Index r, int changes) {
+    const auto it = at.find(r);
+    if (it == at.end()) return;
+    touched[it->second] += changes;
+    if (!chosen_[r]) stale.insert(it->second);
+  };
+  const auto spoil = [&](Index r) {
+    for (const Index c : fans_of_[r])
+      for (const Index other : open_members_.at(c)) spoil_one(other, 0);
+    for (const Index c : free_fans_of_[r])
+      for (const auto& leaf : puzzle_.free_fans[c].fan.leaves) spoil_one(leaf.region, 1);
+  };
+  const auto weigh = [&](Index fan) {
+    ++weight_[fan];
+    if (!by_weight) return;
+    const auto again = [&](Index r) {
+      if (const auto it = at.find(r); it != at.end() && !chosen_[r]) rank(it->second);
+    };
+    const Index free = fan - static_cast<Index>(puzzle_.fans.size());
+    if (free < 0)
+      for (const Index r : open_members_.at(fan)) again(r);
+    else
+      for (const auto& leaf : puzzle_.free_fans[free].fan.leaves) again(leaf.region);
+  };
+  const auto give_up = [&] {
+    for (const Level& level : levels) chosen_[level.region] = nullptr;
+    return Found::too_long;
+  };
   for (;;) {
-    // The open region with the fewest options left; the first of them.
-    std::size_t best = part.size();
-    double fewest = 0;
-    for (std::size_t i = 0; i < part.size(); ++i) {
-      if (chosen_[part[i]]) continue;
-      if (stale[i]) look(i), stale[i] = 0;
-      const double here = size(i);
-      if (best == part.size() || here < fewest || (here == fewest && touched[i] > touched[best]))
-        best = i, fewest = here;
-      if (fewest == 0) break;
+    // No further than to the first one without options.
+    for (auto it = stale.begin(); it != stale.end() && !(open.stuck() && open.next() < *it);) {
+      look(*it);
+      rank(*it);
+      it = stale.erase(it);
     }
-    if (best == part.size()) return Found::yes;
+    if (open.none()) return Found::yes;
+    const std::size_t best = open.next();
     if (!left[best]) {
       if (!list_options(part[best])) {
         cut_short_ = true;
@@ -415,11 +432,14 @@ SheetSearch::Found SheetSearch::attempt(const std::vector<Index>& part, std::int
         return Found::no;
       }
       look(best);
+      rank(best);
     }
-    if (!left[best]->empty())
+    if (!left[best]->empty()) {
       levels.push_back({part[best], *left[best]});
-    else if (blame[best] >= 0)
-      ++weight_[blame[best]];
+      open.take_out(best);
+    } else if (blame[best] >= 0) {
+      weigh(blame[best]);
+    }
     // Take the next option of the deepest level that has one.
     for (;;) {
       if (levels.empty()) return Found::no;
@@ -432,7 +452,7 @@ SheetSearch::Found SheetSearch::attempt(const std::vector<Index>& part, std::int
         if (++nodes_ > end || worn_out() || (nodes_ % 256 == 0 && context_.stop())) return give_up();
         break;
       }
-      stale[at[level.region]] = 1;
+      stale.insert(at[level.region]);
       levels.pop_back();
     }
   }

@@ -197,8 +197,11 @@ Status Run::try_routes() {
                       return mesh ? std::move(mesh) : Result<TetMesh>(in_input_space(mesh.error()));
                     }});
   std::string told;
+  std::optional<Error> bad_part;
   ErrorCode code = ErrorCode::unsolved;
   for (const Route& route : routes) {
+    // What flows until nothing crosses fills each part by itself: of no use where one of them has no mesh.
+    if (bad_part && std::string(route.name) == "flow") break;
     // A repaired surface is repaired again where the sheets could not be glued: no flows.
     if (!told.empty() && repaired_ && options_.preset == Preset::standard) break;
     Result<TetMesh> mesh = route.run();
@@ -211,7 +214,10 @@ Status Run::try_routes() {
     if (e.code == ErrorCode::internal)
       code = e.code;  // another route may still do; if none does, this is why
     context_.note(LogLevel::info, std::string("Route ") + route.name + ": " + e.message);
-    if (std::string(route.name) == "parts") continue;  // the whole is still to be tried
+    if (std::string(route.name) == "parts") {
+      if (e.code == ErrorCode::infeasible) bad_part = e;
+      continue;  // the whole is still to be tried
+    }
     if (const auto pinched = pinched_vertices()) {
       if (pinched->place)
         unglued_ = Eigen::Vector3d((*pinched->place)[0], (*pinched->place)[1], (*pinched->place)[2]);
@@ -228,6 +234,7 @@ Status Run::try_routes() {
     told += (told.empty() ? "" : " ") + std::string("Route ") + route.name + ": " + e.message;
   }
   if (!found_.diagnosis.wound.complete()) told = found_.diagnosis.wound.explanation + " " + told;
+  if (bad_part) told += " " + bad_part->message;
   return Error{code, "No tet mesh was found. " + told};
 }
 

@@ -35,12 +35,12 @@ constexpr int kPollMilliseconds = 20;
 // At needles, refinement for quality can go on for ever; natural inputs need about one added point a vertex.
 constexpr std::int64_t kMostPointsPerVertex = 4;
 
-// In some orders of points TetGen's flips never end; in another one, or in halves, they do. It usually needs
-// 50 microseconds of CPU a facet, and 3 milliseconds among needles.
-constexpr double kPatienceSeconds = 60, kPatiencePerFacet = 0.01;
+// In some orders of points TetGen's flips never end; in another one, or in halves, they do. It usually calls
+// some hundred predicates a facet, and up to 9000 among needles: 5 million are a second.
+constexpr double kMostPredicates = 3e8, kMostPredicatesPerFacet = 3e4;
 
-double patience(Eigen::Index facets) {
-  return kPatienceSeconds + kPatiencePerFacet * static_cast<double>(facets);
+double most_predicates(Eigen::Index facets) {
+  return kMostPredicates + kMostPredicatesPerFacet * static_cast<double>(facets);
 }
 
 // Beside the running program, in the libexec folder of an installation, or where it was built.
@@ -71,7 +71,7 @@ class Child {
     }
   }
 
-  Status start(double patience, const RunContext& context) {
+  Status start(const RunContext& context) {
     const std::string program = child_program();
     if (program.empty())
       return Error{ErrorCode::internal,
@@ -89,10 +89,9 @@ class Child {
       memory = context.memory_limit_bytes > used ? context.memory_limit_bytes - used : 1;
       memory = std::max<unsigned long long>(memory, 16ull << 20);
     }
-    const auto cpu = static_cast<unsigned long long>(std::min(context.seconds_left(), patience)) + 2;
-    std::string pid = std::to_string(getpid()), mem = std::to_string(memory), sec = std::to_string(cpu);
+    std::string pid = std::to_string(getpid()), mem = std::to_string(memory);
     std::string name = "overtet-tetgen";
-    char* argv[] = {name.data(), pid.data(), mem.data(), sec.data(), nullptr};
+    char* argv[] = {name.data(), pid.data(), mem.data(), nullptr};
 
     posix_spawn_file_actions_t actions;
     posix_spawnattr_t attributes;
@@ -184,7 +183,6 @@ Error explain_end(int status, const RunContext& context) {
   if (auto error = context.stop()) return *error;
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
-    if (signal == SIGXCPU) return unsolved("TetGen's flips did not come to an end.");
     if (context.memory_limit_bytes > 0 && signal == SIGKILL)
       return Error{ErrorCode::limit, "TetGen was killed, most likely for lack of memory."};
     const char* name = signal == SIGSEGV   ? "a segmentation fault"
@@ -298,8 +296,7 @@ Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options
   const VertexMatrix holes = scaled(plc.holes, -exponent);
 
   Child child;
-  if (auto status = child.start(options.patience * patience(plc.F.rows()), context); !status.ok())
-    return status.error();
+  if (auto status = child.start(context); !status.ok()) return status.error();
 
   Request request;
   request.quality = options.quality;
@@ -311,6 +308,7 @@ Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options
   request.radius_edge = options.radius_edge;
   request.tolerance = options.tolerance;
   request.largest_star = options.largest_star;
+  request.most_predicates = static_cast<std::int64_t>(options.patience * most_predicates(plc.F.rows()));
   if (options.quality) request.most_points = kMostPointsPerVertex * plc.V.rows() + 10000;
 
   Reply reply;
@@ -362,6 +360,8 @@ Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options
                       : reply.tetgen_code == 4
                           ? "TetGen found features below its tolerance."
                           : "TetGen gave up (its code " + std::to_string(reply.tetgen_code) + ").");
+    case Outcome::endless:
+      return unsolved("TetGen's flips did not come to an end.");
     case Outcome::protocol:
       return Error{ErrorCode::internal, "overtet-tetgen did not understand its input."};
   }
@@ -392,6 +392,7 @@ Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options
     }
     if (!same) return unsolved("TetGen could not keep every facet whole.");
   }
+  result.predicates = reply.predicates;
   result.tetgen_facets = static_cast<Index>(plc.F.rows());
   result.seconds = std::chrono::duration<double>(RunContext::Clock::now() - begin).count();
   result.peak_rss_bytes = static_cast<std::size_t>(child.usage().ru_maxrss) * 1024;

@@ -33,7 +33,7 @@ struct TetgenOptions {
   bool fill_convex_hull = false;  // keep the tets outside the outermost facets (TetGen -c)
   double tolerance = 0;           // TetGen -T, for its coplanarity test; 0: TetGen's default
   Index largest_star = 0;         // of tets around an edge that its flips may take apart; 0: any
-  double patience = 1;            // part of the time after which it is taken not to end; for what is a luxury
+  double patience = 1;            // part of the work after which it is taken not to end; for what is a luxury
 
   Status validate() const;
 };
@@ -50,6 +50,7 @@ struct TetgenResult {
   Index missing_facets = 0;                    // no faces of the Delaunay tets, where those come first
   Index tetgen_facets = 0;                     // that TetGen has worked on, walls of cavities included
   Index parts = 1;                             // meshed one by one (parts.h)
+  std::int64_t predicates = 0;                 // that TetGen has called; 0: not in one call
   double seconds = 0;                          // wall time of the child
   std::size_t peak_rss_bytes = 0;              // of the child
 };

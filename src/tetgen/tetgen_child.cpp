@@ -1,7 +1,7 @@
 // overtet-tetgen: one TetGen call in a process of its own, so that what TetGen does wrong (crash, abort,
 // print, hang, eat memory) stays here. Not a command for people: it talks binary on descriptors 0 and 1.
 //
-//   overtet-tetgen PARENT_PID MEMORY_BYTES CPU_SECONDS
+//   overtet-tetgen PARENT_PID MEMORY_BYTES
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/prctl.h>
@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "src/tetgen/predicate_watch.h"
 #include "src/tetgen/tetgen_wire.h"
 
 namespace {
@@ -52,10 +53,18 @@ void write_all(const void* data, std::size_t bytes) {
   _exit(0);
 }
 
+// Without a predicate, only lists are gone through: at most some microseconds a facet.
+constexpr int kIdleSeconds = 10, kFacetsPerIdleSecond = 10'000;
+
+void give_up() {
+  Reply reply;
+  reply.outcome = Outcome::endless;
+  finish(reply);
+}
+
 void limit(int what, unsigned long long value) {
   if (value == 0) return;
-  // The hard limit is higher: where both are the same, Linux sends SIGKILL and not SIGXCPU.
-  const rlimit r{static_cast<rlim_t>(value), static_cast<rlim_t>(value) + 1};
+  const rlimit r{static_cast<rlim_t>(value), static_cast<rlim_t>(value)};
   setrlimit(what, &r);
 }
 
@@ -115,6 +124,9 @@ void run() {
   behaviour.quiet = 1;
   if (request.largest_star > 0) behaviour.flipstarsize = static_cast<int>(request.largest_star);
 
+  namespace watch = overtet::predicate_watch;
+  watch::begin(request.most_predicates,
+               kIdleSeconds + static_cast<int>(request.facets / kFacetsPerIdleSecond), give_up);
   Reply reply;
   try {
     tetrahedralize(&behaviour, &in, &out, nullptr, nullptr);
@@ -123,6 +135,9 @@ void run() {
     reply.tetgen_code = code;
     finish(reply);
   }
+
+  reply.predicates = watch::calls();
+  watch::end();
 
   // TetGen's predicates are exact and still set up for this mesh. Its tets are the mirror image of ours.
   const int n = out.numberoftetrahedra;
@@ -166,12 +181,11 @@ void run() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 4) return 2;
+  if (argc != 3) return 2;
   // Dies with its parent, also when the parent was gone before this line.
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != static_cast<pid_t>(std::strtol(argv[1], nullptr, 10))) return 1;
   limit(RLIMIT_AS, std::strtoull(argv[2], nullptr, 10));
-  limit(RLIMIT_CPU, std::strtoull(argv[3], nullptr, 10));
   rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
 

@@ -19,11 +19,12 @@ struct Request {
   std::int64_t holes = 0;
   std::int64_t most_points = 0;   // that may be added; 0: any number
   std::int64_t largest_star = 0;  // of tets around an edge that flips take apart; 0: any
+  std::int64_t most_predicates = 0;
   double radius_edge = 0;
   double tolerance = 0;
 };
 
-enum class Outcome : std::uint32_t { done, gave_up, out_of_memory, not_positive, protocol };
+enum class Outcome : std::uint32_t { done, gave_up, endless, out_of_memory, not_positive, protocol };
 
 // Followed, when the outcome is done, by V (3 doubles), T (4 int32), neighbours (4 int32), facets
 // (3 int32) and the input facet of each (int32). Tets are positive, vertices in TetGen's order.
@@ -35,6 +36,7 @@ struct Reply {
   std::int64_t vertices = 0;
   std::int64_t tets = 0;
   std::int64_t facets = 0;
+  std::int64_t predicates = 0;  // that TetGen has called
 };
 
 }  // namespace overtet::tetgen_wire

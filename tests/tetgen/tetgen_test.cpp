@@ -257,6 +257,24 @@ TEST(Tetgen, TheChildDiesWithItsParent) {
   EXPECT_TRUE(gone);
 }
 
+// Its work is counted, so that where it is given up does not depend on the machine.
+TEST(Tetgen, WorkIsTheSameEveryTime) {
+  const Plc plc = plc_of(test::sphere_surface(2));
+  const auto first = tetrahedralize(plc, {}, {}), again = tetrahedralize(plc, {}, {});
+  ASSERT_TRUE(first.ok() && again.ok());
+  EXPECT_GT(first.value().predicates, plc.F.rows());
+  EXPECT_EQ(first.value().predicates, again.value().predicates);
+}
+
+TEST(Tetgen, WorkWithoutEndIsGivenUp) {
+  TetgenOptions options;
+  options.patience = 1e-7;
+  const auto r = tetrahedralize(plc_of(test::sphere_surface(2)), options, {});
+  ASSERT_FALSE(r.ok());
+  EXPECT_EQ(ErrorCode::unsolved, r.error().code);
+  EXPECT_NE(std::string::npos, r.error().message.find("did not come to an end"));
+}
+
 TEST(Tetgen, SeveralCallsAtOnce) {
   std::vector<std::thread> threads;
   std::array<TetMatrix, 4> T;
