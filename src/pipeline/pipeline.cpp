@@ -116,6 +116,7 @@ class Run {
   Inspection found_;
   std::optional<StageFiles> save_, resume_;
   std::optional<Eigen::Vector3d> unglued_;
+  std::optional<Error> bad_part_;  // why one has no mesh by itself: then all together seldom have
   bool looked_closer_ = false;
 };
 
@@ -197,11 +198,10 @@ Status Run::try_routes() {
                       return mesh ? std::move(mesh) : Result<TetMesh>(in_input_space(mesh.error()));
                     }});
   std::string told;
-  std::optional<Error> bad_part;
   ErrorCode code = ErrorCode::unsolved;
   for (const Route& route : routes) {
     // What flows until nothing crosses fills each part by itself: of no use where one of them has no mesh.
-    if (bad_part && std::string(route.name) == "flow") break;
+    if (bad_part_ && std::string(route.name) == "flow") break;
     // A repaired surface is repaired again where the sheets could not be glued: no flows.
     if (!told.empty() && repaired_ && options_.preset == Preset::standard) break;
     Result<TetMesh> mesh = route.run();
@@ -215,7 +215,7 @@ Status Run::try_routes() {
       code = e.code;  // another route may still do; if none does, this is why
     context_.note(LogLevel::info, std::string("Route ") + route.name + ": " + e.message);
     if (std::string(route.name) == "parts") {
-      if (e.code == ErrorCode::infeasible) bad_part = e;
+      if (e.code == ErrorCode::infeasible) bad_part_ = e;
       continue;  // the whole is still to be tried
     }
     if (const auto pinched = pinched_vertices()) {
@@ -234,7 +234,7 @@ Status Run::try_routes() {
     told += (told.empty() ? "" : " ") + std::string("Route ") + route.name + ": " + e.message;
   }
   if (!found_.diagnosis.wound.complete()) told = found_.diagnosis.wound.explanation + " " + told;
-  if (bad_part) told += " " + bad_part->message;
+  if (bad_part_) told += " " + bad_part_->message;
   return Error{code, "No tet mesh was found. " + told};
 }
 
@@ -274,7 +274,7 @@ Result<TetMesh> Run::mesh_immersed() {
   return stage("immersion", [&](StageRecord& record) -> Result<TetMesh> {
     const Diagnosis& d = found_.diagnosis;
     ImmersionOptions options;
-    options.patience = patience_;
+    options.patience = bad_part_ ? std::min(patience_, kLuxuryPatience) : patience_;
     Result<ImmersionResult> r = immerse(surface_, d.pairs, d.wound.edges, options, context_);
     if (!r) {
       Error error = in_input_space(r.error());

@@ -16,6 +16,28 @@ namespace {
 
 constexpr int kAttempts = 6;
 
+// So many facets TetGen is given in all attempts at one mesh, times the patience: all attempts there are for
+// most, a few for large ones, where each takes long and other orders seldom help.
+constexpr double kMostFacets = 3e6;
+
+// What is left of them.
+class Budget {
+ public:
+  explicit Budget(const TetgenOptions& options) : facets_(kMostFacets * options.patience) {}
+
+  bool left() const { return facets_ > 0; }
+
+  // Whether there may be an attempt at these facets, which is then paid for.
+  bool pay(Eigen::Index facets) {
+    const bool can = left();
+    facets_ -= static_cast<double>(facets);
+    return can;
+  }
+
+ private:
+  double facets_;
+};
+
 // So often edges are cut in half where TetGen fails with whole ones: the first time has always been enough.
 constexpr int kSplits = 3;
 
@@ -96,34 +118,33 @@ namespace {
 
 bool settled(const Result<TetgenResult>& r) { return r.ok() || r.error().code != ErrorCode::unsolved; }
 
-}  // namespace
+Error too_many() { return Error{ErrorCode::unsolved, "TetGen has failed on these facets often enough."}; }
 
-Result<TetgenResult> tetrahedralize_shuffled(const Plc& plc, const TetgenOptions& options,
-                                             const RunContext& context) {
-  Result<TetgenResult> first = attempt(plc, options, context, 0);
-  for (int number = 1; number < kAttempts && !settled(first); ++number) {
-    Result<TetgenResult> again = attempt(plc, options, context, number);
-    if (settled(again)) return again;
+Result<TetgenResult> shuffled(const Plc& plc, const TetgenOptions& options, const RunContext& context,
+                              Budget& budget) {
+  Result<TetgenResult> first = too_many();
+  for (int number = 0; number < kAttempts && budget.pay(plc.F.rows()); ++number) {
+    Result<TetgenResult> now = attempt(plc, options, context, number);
+    if (settled(now)) return now;
+    if (number == 0) first = std::move(now);
   }
   return first;
 }
 
-namespace {
-
 // With edges of facets cut in half, again and again.
 Result<TetgenResult> tetrahedralize_split(const Plc& plc, const TetgenOptions& options,
-                                          const RunContext& context) {
+                                          const RunContext& context, Budget& budget) {
   Plc now = plc;
   std::vector<Index> source(plc.F.rows());
   std::iota(source.begin(), source.end(), 0);
-  for (int round = 0; round < kSplits; ++round) {
+  for (int round = 0; round < kSplits && budget.left(); ++round) {
     std::optional<SplitPlc> split = split_missing_edges(now, context);
     if (auto stop = context.stop()) return *stop;
     if (!split) break;
     now = std::move(split->plc);
     for (Index& f : split->source) f = source[f];
     source = std::move(split->source);
-    Result<TetgenResult> result = tetrahedralize_shuffled(now, options, context);
+    Result<TetgenResult> result = shuffled(now, options, context, budget);
     if (result)
       for (Index& f : result.value().facet_sources) f = source[f];
     if (settled(result)) return result;
@@ -132,6 +153,12 @@ Result<TetgenResult> tetrahedralize_split(const Plc& plc, const TetgenOptions& o
 }
 
 }  // namespace
+
+Result<TetgenResult> tetrahedralize_shuffled(const Plc& plc, const TetgenOptions& options,
+                                             const RunContext& context) {
+  Budget budget(options);
+  return shuffled(plc, options, context, budget);
+}
 
 Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptions& options,
                                                const RunContext& context, DelaunayBuilder begun) {
@@ -142,10 +169,12 @@ Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptio
   const bool large = delaunay && plc.F.rows() >= kLarge;
   TetgenOptions quick = plain;
   quick.largest_star = kLargestStar;
+  Budget budget(options);
   Result<TetgenResult> first =
       large ? tetrahedralize_delaunay_first(plc, context, {.patience = options.patience}, std::move(begun))
             : tetrahedralize(plc, quick, context);
-  if (large && !settled(first)) first = tetrahedralize(plc, quick, context);
+  if (!large) budget.pay(plc.F.rows());
+  if (large && !settled(first) && budget.pay(plc.F.rows())) first = tetrahedralize(plc, quick, context);
   if (settled(first)) {
     const bool crowded = first.ok() && static_cast<double>(first.value().T.rows()) >
                                            kCrowd * static_cast<double>(first.value().V.rows());
@@ -154,16 +183,16 @@ Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptio
     return settled(refined) ? std::move(refined) : std::move(first);
   }
   if (options.quality)
-    if (Result<TetgenResult> again = tetrahedralize_shuffled(plc, options, context); settled(again))
-      return again;
-  if (Result<TetgenResult> again = tetrahedralize_shuffled(plc, plain, context); settled(again)) return again;
-  if (delaunay)
+    if (Result<TetgenResult> again = shuffled(plc, options, context, budget); settled(again)) return again;
+  if (Result<TetgenResult> again = shuffled(plc, plain, context, budget); settled(again)) return again;
+  if (delaunay && budget.pay(plc.F.rows()))
     if (Result<TetgenResult> again = tetrahedralize_delaunay_first(
             plc, context, {.most_missing = 1, .most_left = 10, .patience = options.patience});
         settled(again))
       return again;
   if (options.keep_facets && options.accept_split)
-    if (Result<TetgenResult> again = tetrahedralize_split(plc, plain, context); settled(again)) return again;
+    if (Result<TetgenResult> again = tetrahedralize_split(plc, plain, context, budget); settled(again))
+      return again;
   return first;
 }
 

@@ -75,7 +75,8 @@ Result<TetgenResult> tetrahedralize_shuffled(const Plc& plc, const TetgenOptions
 // All means in turn. First without points inside, whatever options.quality says: that is fastest, but leaves
 // flat tets where many points lie on a sphere; then with them, if options.quality allows it. Large inputs
 // start from Delaunay tets (delaunay_first.h), and so do those where TetGen fails in every order. Last, with
-// accept_split, edges of facets that TetGen would have to fight for are cut in half (split_edges.h).
+// accept_split, edges of facets that TetGen would have to fight for are cut in half (split_edges.h). Of many
+// facets there are fewer attempts, in proportion to options.patience.
 // begun: from begin_delaunay() with the complex's first points, to the last bit.
 Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptions& options,
                                                const RunContext& context, DelaunayBuilder begun = {});

@@ -161,12 +161,23 @@ TEST(TetgenStubborn, EdgesAreCutWithoutChangingTheSurface) {
     EXPECT_LT((sum[f] - normal(plc, f)).norm(), 1e-12 * normal(plc, f).norm());
 }
 
+TEST(TetgenStubborn, TheBudgetIsSpentOnWholeAttempts) {
+  TetgenOptions options;
+  options.patience = 1e-6;  // 3 facets
+  Budget budget(options);
+  EXPECT_TRUE(budget.pay(2));
+  EXPECT_TRUE(budget.pay(100));
+  EXPECT_FALSE(budget.left());
+  EXPECT_FALSE(budget.pay(1));
+}
+
 TEST(TetgenStubborn, CutEdgesKeepThePromises) {
   const Plc plc = stretched();
   TetgenOptions options;
   options.quality = false;
   options.accept_split = true;
-  const auto r = tetrahedralize_split(plc, options, {});
+  Budget budget(options);
+  const auto r = tetrahedralize_split(plc, options, {}, budget);
   ASSERT_TRUE(r.ok()) << r.error().message;
   EXPECT_GT(r.value().V.rows(), plc.V.rows());
   Surface s;
