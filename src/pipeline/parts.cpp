@@ -16,6 +16,10 @@ namespace {
 // Every part is compared with every group; beyond this number that takes longer than it saves.
 constexpr std::size_t kMostParts = 20000;
 
+// With TetGen where nothing crosses: what it does not fill like this, the immersion route, which may cut the
+// surface's edges on the way, does better.
+constexpr double kPlainPatience = 0.3;
+
 struct Box {
   Eigen::RowVector3d low = Eigen::RowVector3d::Constant(1e300), high = Eigen::RowVector3d::Constant(-1e300);
 
@@ -182,9 +186,11 @@ class PartsMesher {
                                       [&](const FacePair& p) { return is_in(p.first) && is_in(p.second); });
     if (single && !crossing) {
       Result<TetMesh> plain = mesh_plain(s, route_.context);
-      if (!plain) return plain.error();
-      piece.mesh = std::move(plain).value();
-      return piece;
+      if (!plain && plain.error().code != ErrorCode::unsolved) return plain.error();
+      if (plain) {
+        piece.mesh = std::move(plain).value();
+        return piece;
+      }
     }
     DiagnoseOptions options;
     options.full_winding_range = false;
@@ -216,6 +222,7 @@ Result<TetMesh> mesh_plain(const Surface& surface, const RunContext& context) {
   plc.F = surface.F;
   TetgenOptions options;
   options.quality = worth_refining(surface.V, surface.F);
+  options.patience = kPlainPatience;
   Result<TetgenResult> tets = tetrahedralize_stubbornly(plc, options, context);
   if (!tets) return tets.error();
   TetMesh mesh;

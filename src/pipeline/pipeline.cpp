@@ -32,7 +32,7 @@ namespace overtet {
 namespace {
 
 // With TetGen, for what a repair can do without: its flips nearly always end in less.
-constexpr double kLuxuryPatience = 0.1;
+constexpr double kLuxuryPatience = 0.3;
 
 double seconds_since(RunContext::Clock::time_point start) {
   return std::chrono::duration<double>(RunContext::Clock::now() - start).count();

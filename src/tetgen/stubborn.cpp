@@ -20,22 +20,35 @@ constexpr int kAttempts = 6;
 // most, a few for large ones, where each takes long and other orders seldom help.
 constexpr double kMostFacets = 3e6;
 
-// What is left of them.
-class Budget {
+// Once so many have not come to an end, others seldom do.
+constexpr int kMostEndless = 3;
+
+// Part of the patience for the first time round: what leads anywhere takes little.
+constexpr double kFirstPatience = 0.35;
+
+// What has been tried to get one mesh.
+class Attempts {
  public:
-  explicit Budget(const TetgenOptions& options) : facets_(kMostFacets * options.patience) {}
+  explicit Attempts(const TetgenOptions& options) : facets_(kMostFacets * options.patience) {}
 
   bool left() const { return facets_ > 0; }
+  bool another_order() const { return left() && endless_ < kMostEndless; }
+  bool any_endless() const { return any_endless_; }
 
-  // Whether there may be an attempt at these facets, which is then paid for.
-  bool pay(Eigen::Index facets) {
-    const bool can = left();
+  // Of one more attempt, at so many facets.
+  Result<TetgenResult> count(Eigen::Index facets, Result<TetgenResult> result) {
     facets_ -= static_cast<double>(facets);
-    return can;
+    if (!result && result.error().message == kEndless) ++endless_, any_endless_ = true;
+    return result;
   }
+
+  // Edges have been cut: one order at least.
+  void other_facets() { endless_ = std::min(endless_, kMostEndless - 1); }
 
  private:
   double facets_;
+  int endless_ = 0;
+  bool any_endless_ = false;
 };
 
 // So often edges are cut in half where TetGen fails with whole ones: the first time has always been enough.
@@ -121,10 +134,10 @@ bool settled(const Result<TetgenResult>& r) { return r.ok() || r.error().code !=
 Error too_many() { return Error{ErrorCode::unsolved, "TetGen has failed on these facets often enough."}; }
 
 Result<TetgenResult> shuffled(const Plc& plc, const TetgenOptions& options, const RunContext& context,
-                              Budget& budget) {
+                              Attempts& attempts) {
   Result<TetgenResult> first = too_many();
-  for (int number = 0; number < kAttempts && budget.pay(plc.F.rows()); ++number) {
-    Result<TetgenResult> now = attempt(plc, options, context, number);
+  for (int number = 0; number < kAttempts && attempts.another_order(); ++number) {
+    Result<TetgenResult> now = attempts.count(plc.F.rows(), attempt(plc, options, context, number));
     if (settled(now)) return now;
     if (number == 0) first = std::move(now);
   }
@@ -133,18 +146,19 @@ Result<TetgenResult> shuffled(const Plc& plc, const TetgenOptions& options, cons
 
 // With edges of facets cut in half, again and again.
 Result<TetgenResult> tetrahedralize_split(const Plc& plc, const TetgenOptions& options,
-                                          const RunContext& context, Budget& budget) {
+                                          const RunContext& context, Attempts& attempts) {
   Plc now = plc;
   std::vector<Index> source(plc.F.rows());
   std::iota(source.begin(), source.end(), 0);
-  for (int round = 0; round < kSplits && budget.left(); ++round) {
+  for (int round = 0; round < kSplits && attempts.left(); ++round) {
     std::optional<SplitPlc> split = split_missing_edges(now, context);
     if (auto stop = context.stop()) return *stop;
     if (!split) break;
     now = std::move(split->plc);
     for (Index& f : split->source) f = source[f];
     source = std::move(split->source);
-    Result<TetgenResult> result = shuffled(now, options, context, budget);
+    attempts.other_facets();
+    Result<TetgenResult> result = shuffled(now, options, context, attempts);
     if (result)
       for (Index& f : result.value().facet_sources) f = source[f];
     if (settled(result)) return result;
@@ -156,12 +170,14 @@ Result<TetgenResult> tetrahedralize_split(const Plc& plc, const TetgenOptions& o
 
 Result<TetgenResult> tetrahedralize_shuffled(const Plc& plc, const TetgenOptions& options,
                                              const RunContext& context) {
-  Budget budget(options);
-  return shuffled(plc, options, context, budget);
+  Attempts attempts(options);
+  return shuffled(plc, options, context, attempts);
 }
 
-Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptions& options,
-                                               const RunContext& context, DelaunayBuilder begun) {
+namespace {
+
+Result<TetgenResult> by_all_means(const Plc& plc, const TetgenOptions& options, const RunContext& context,
+                                  DelaunayBuilder begun, Attempts& attempts) {
   TetgenOptions plain = options;
   plain.quality = false;
   const bool delaunay =
@@ -169,12 +185,11 @@ Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptio
   const bool large = delaunay && plc.F.rows() >= kLarge;
   TetgenOptions quick = plain;
   quick.largest_star = kLargestStar;
-  Budget budget(options);
+  const auto quickly = [&] { return attempts.count(plc.F.rows(), tetrahedralize(plc, quick, context)); };
   Result<TetgenResult> first =
       large ? tetrahedralize_delaunay_first(plc, context, {.patience = options.patience}, std::move(begun))
-            : tetrahedralize(plc, quick, context);
-  if (!large) budget.pay(plc.F.rows());
-  if (large && !settled(first) && budget.pay(plc.F.rows())) first = tetrahedralize(plc, quick, context);
+            : quickly();
+  if (large && !settled(first)) first = quickly();
   if (settled(first)) {
     const bool crowded = first.ok() && static_cast<double>(first.value().T.rows()) >
                                            kCrowd * static_cast<double>(first.value().V.rows());
@@ -183,17 +198,30 @@ Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptio
     return settled(refined) ? std::move(refined) : std::move(first);
   }
   if (options.quality)
-    if (Result<TetgenResult> again = shuffled(plc, options, context, budget); settled(again)) return again;
-  if (Result<TetgenResult> again = shuffled(plc, plain, context, budget); settled(again)) return again;
-  if (delaunay && budget.pay(plc.F.rows()))
+    if (Result<TetgenResult> again = shuffled(plc, options, context, attempts); settled(again)) return again;
+  if (Result<TetgenResult> again = shuffled(plc, plain, context, attempts); settled(again)) return again;
+  if (delaunay && attempts.left())
     if (Result<TetgenResult> again = tetrahedralize_delaunay_first(
             plc, context, {.most_missing = 1, .most_left = 10, .patience = options.patience});
         settled(again))
       return again;
   if (options.keep_facets && options.accept_split)
-    if (Result<TetgenResult> again = tetrahedralize_split(plc, plain, context, budget); settled(again))
+    if (Result<TetgenResult> again = tetrahedralize_split(plc, plain, context, attempts); settled(again))
       return again;
   return first;
+}
+
+}  // namespace
+
+Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptions& options,
+                                               const RunContext& context, DelaunayBuilder begun) {
+  TetgenOptions some = options;
+  some.patience = std::min(options.patience, kFirstPatience);
+  Attempts attempts(options);
+  Result<TetgenResult> first = by_all_means(plc, some, context, std::move(begun), attempts);
+  if (settled(first) || !attempts.any_endless() || !(some.patience < options.patience)) return first;
+  Attempts more(options);
+  return by_all_means(plc, options, context, {}, more);
 }
 
 DelaunayBuilder begin_delaunay(const VertexMatrix& V, Eigen::Index facets, const RunContext& context) {

@@ -37,7 +37,7 @@ constexpr std::int64_t kMostPointsPerVertex = 4;
 
 // In some orders of points TetGen's flips never end; in another one, or in halves, they do. It usually calls
 // some hundred predicates a facet, and up to 9000 among needles: 5 million are a second.
-constexpr double kMostPredicates = 3e8, kMostPredicatesPerFacet = 3e4;
+constexpr double kMostPredicates = 3e7, kMostPredicatesPerFacet = 3e4;
 
 double most_predicates(Eigen::Index facets) {
   return kMostPredicates + kMostPredicatesPerFacet * static_cast<double>(facets);
@@ -361,7 +361,7 @@ Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options
                           ? "TetGen found features below its tolerance."
                           : "TetGen gave up (its code " + std::to_string(reply.tetgen_code) + ").");
     case Outcome::endless:
-      return unsolved("TetGen's flips did not come to an end.");
+      return unsolved(kEndless);
     case Outcome::protocol:
       return Error{ErrorCode::internal, "overtet-tetgen did not understand its input."};
   }

@@ -66,18 +66,22 @@ bool worth_refining(const VertexMatrix& V, const TriangleMatrix& F);
 // crashed, gave up or lost something; the message says which), internal (the child program is missing).
 Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options, const RunContext& context);
 
+// What the error says where TetGen was given up: with more patience it might do.
+constexpr const char* kEndless = "TetGen's flips did not come to an end.";
+
 // The same, several times where TetGen fails. Whether it finds its way through nearly degenerate facets
 // depends on the order in which it sees the points, too, so the attempts turn the axes and shuffle the points
-// (always in the same way). The geometry stays the same to the last bit, and so do the promises.
+// (always in the same way), until several have not come to an end. The geometry stays the same to the last
+// bit, and so do the promises.
 Result<TetgenResult> tetrahedralize_shuffled(const Plc& plc, const TetgenOptions& options,
                                              const RunContext& context);
 
 // All means in turn. First without points inside, whatever options.quality says: that is fastest, but leaves
 // flat tets where many points lie on a sphere; then with them, if options.quality allows it. Large inputs
 // start from Delaunay tets (delaunay_first.h), and so do those where TetGen fails in every order. Last, with
-// accept_split, edges of facets that TetGen would have to fight for are cut in half (split_edges.h). Of many
-// facets there are fewer attempts, in proportion to options.patience.
-// begun: from begin_delaunay() with the complex's first points, to the last bit.
+// accept_split, edges of facets that TetGen would have to fight for are cut in half (split_edges.h). All this
+// with some patience first, and then with all of it. Of many facets there are fewer attempts, in proportion
+// to options.patience. begun: from begin_delaunay() with the complex's first points, to the last bit.
 Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptions& options,
                                                const RunContext& context, DelaunayBuilder begun = {});
 

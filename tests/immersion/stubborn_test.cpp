@@ -161,14 +161,27 @@ TEST(TetgenStubborn, EdgesAreCutWithoutChangingTheSurface) {
     EXPECT_LT((sum[f] - normal(plc, f)).norm(), 1e-12 * normal(plc, f).norm());
 }
 
-TEST(TetgenStubborn, TheBudgetIsSpentOnWholeAttempts) {
+TEST(TetgenStubborn, AttemptsAreCounted) {
   TetgenOptions options;
   options.patience = 1e-6;  // 3 facets
-  Budget budget(options);
-  EXPECT_TRUE(budget.pay(2));
-  EXPECT_TRUE(budget.pay(100));
-  EXPECT_FALSE(budget.left());
-  EXPECT_FALSE(budget.pay(1));
+  Attempts few(options);
+  const Error failed{ErrorCode::unsolved, "TetGen failed."};
+  EXPECT_FALSE(few.count(2, failed).ok());
+  EXPECT_TRUE(few.another_order());
+  EXPECT_FALSE(few.count(100, failed).ok());
+  EXPECT_FALSE(few.left());
+  EXPECT_FALSE(few.any_endless());
+
+  Attempts attempts(TetgenOptions{});
+  const Error endless{ErrorCode::unsolved, kEndless};
+  for (int i = 0; i < kMostEndless; ++i) {
+    EXPECT_TRUE(attempts.another_order());
+    EXPECT_FALSE(attempts.count(1, endless).ok());
+  }
+  EXPECT_FALSE(attempts.another_order());
+  EXPECT_TRUE(attempts.left() && attempts.any_endless());
+  attempts.other_facets();
+  EXPECT_TRUE(attempts.another_order());
 }
 
 TEST(TetgenStubborn, CutEdgesKeepThePromises) {
@@ -176,8 +189,8 @@ TEST(TetgenStubborn, CutEdgesKeepThePromises) {
   TetgenOptions options;
   options.quality = false;
   options.accept_split = true;
-  Budget budget(options);
-  const auto r = tetrahedralize_split(plc, options, {}, budget);
+  Attempts attempts(options);
+  const auto r = tetrahedralize_split(plc, options, {}, attempts);
   ASSERT_TRUE(r.ok()) << r.error().message;
   EXPECT_GT(r.value().V.rows(), plc.V.rows());
   Surface s;
