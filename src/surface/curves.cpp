@@ -637,7 +637,8 @@ class Tracer {
     const RawSegment& s = segments_[piece.segment];
     const auto [begin, end] = range(piece);
     const Vec &from = position_[s.node[0]].x, along = position_[s.node[1]].x - from;
-    for (const Wedge& wedge : wedges_.around(along, Point(from + ((begin + end) / 2) * along))) {
+    for (const Wedge& wedge :
+         wedges_.around(exact::whole(along), Point(from + ((begin + end) / 2) * along))) {
       segment.winding_min =
           segment.winding_known ? std::min(segment.winding_min, wedge.winding) : wedge.winding;
       segment.winding_max =

@@ -1,5 +1,9 @@
 #include "src/surface/exact.h"
 
+#include <limits>
+
+#include "kernels/predicates/predicates.h"
+
 namespace overtet::exact {
 
 namespace {
@@ -12,31 +16,6 @@ double det(const Near& a, const Near& b, const Near& c) {
 }
 double largest(const Near& a) {
   return std::max(std::max(std::fabs(a[0]), std::fabs(a[1])), std::fabs(a[2]));
-}
-
-// Signs do not change when a vector is multiplied by a positive number, so the exact path needs integers
-// only: no fractions, no common divisors.
-using Whole = std::array<mpz_class, 3>;
-
-Whole cross(const Whole& a, const Whole& b) {
-  return {mpz_class(a[1] * b[2] - a[2] * b[1]), mpz_class(a[2] * b[0] - a[0] * b[2]),
-          mpz_class(a[0] * b[1] - a[1] * b[0])};
-}
-int dot_sign(const Whole& a, const Whole& b) {
-  return sgn(mpz_class(a[0] * b[0] + a[1] * b[1] + a[2] * b[2]));
-}
-
-// The sign of a . (b x c). What it works with stays allocated: most of the time went there.
-int det_sign(const Whole& a, const Whole& b, const Whole& c) {
-  thread_local mpz_class minor, sum;
-  sum = 0;
-  for (int k = 0; k < 3; ++k) {
-    const int i = (k + 1) % 3, j = (k + 2) % 3;
-    mpz_mul(minor.get_mpz_t(), b[i].get_mpz_t(), c[j].get_mpz_t());
-    mpz_submul(minor.get_mpz_t(), b[j].get_mpz_t(), c[i].get_mpz_t());
-    mpz_addmul(sum.get_mpz_t(), a[k].get_mpz_t(), minor.get_mpz_t());
-  }
-  return sgn(sum);
 }
 
 // v = numerator / denominator.
@@ -111,6 +90,7 @@ class Plane {
     }
     shift_ = -q.low;
   }
+  const Whole& normal() const { return normal_; }
   // Above the plane; times m's denominator and a positive number that belongs to the plane.
   void height(const Homogeneous& m, mpz_class& out) const {
     out = 0;
@@ -134,6 +114,59 @@ void make_exact(std::optional<Homogeneous>& start, std::optional<Homogeneous>& l
 
 }  // namespace
 
+Whole cross(const Whole& a, const Whole& b) {
+  return {mpz_class(a[1] * b[2] - a[2] * b[1]), mpz_class(a[2] * b[0] - a[0] * b[2]),
+          mpz_class(a[0] * b[1] - a[1] * b[0])};
+}
+
+int dot_sign(const Whole& a, const Whole& b) {
+  return sgn(mpz_class(a[0] * b[0] + a[1] * b[1] + a[2] * b[2]));
+}
+
+// The sign of a . (b x c). What it works with stays allocated: most of the time went there.
+int det_sign(const Whole& a, const Whole& b, const Whole& c) {
+  thread_local mpz_class minor, sum;
+  sum = 0;
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    mpz_mul(minor.get_mpz_t(), b[i].get_mpz_t(), c[j].get_mpz_t());
+    mpz_submul(minor.get_mpz_t(), b[j].get_mpz_t(), c[i].get_mpz_t());
+    mpz_addmul(sum.get_mpz_t(), a[k].get_mpz_t(), minor.get_mpz_t());
+  }
+  return sgn(sum);
+}
+
+Whole whole(const Vec& v) { return Homogeneous(v).numerator; }
+
+Whole primitive(const Vec& v) {
+  Whole out = whole(v);
+  mpz_class divisor;
+  for (const mpz_class& x : out) mpz_gcd(divisor.get_mpz_t(), divisor.get_mpz_t(), x.get_mpz_t());
+  if (sgn(divisor) == 0) return out;
+  const int first = sgn(out[0]) != 0 ? sgn(out[0]) : sgn(out[1]) != 0 ? sgn(out[1]) : sgn(out[2]);
+  if (first < 0) divisor = -divisor;
+  for (mpz_class& x : out) mpz_divexact(x.get_mpz_t(), x.get_mpz_t(), divisor.get_mpz_t());
+  return out;
+}
+
+std::array<double, 3> unit(const Whole& a) {
+  std::array<double, 3> out;
+  long exponent[3], top = std::numeric_limits<long>::min();
+  for (int k = 0; k < 3; ++k) {
+    out[k] = mpz_get_d_2exp(&exponent[k], a[k].get_mpz_t());
+    if (out[k] != 0) top = std::max(top, exponent[k]);
+  }
+  double square = 0;
+  for (int k = 0; k < 3; ++k) {
+    // What is out of the range of doubles is 0.
+    out[k] = std::ldexp(out[k], static_cast<int>(std::max(exponent[k] - top, -1000L)));
+    square += out[k] * out[k];
+  }
+  const double length = std::sqrt(square);
+  for (double& x : out) x /= length;
+  return out;
+}
+
 std::string fraction(const Rational& x) { return x.get_str(); }
 
 double scatter(int k) {
@@ -152,6 +185,11 @@ Rays::Rays(const VertexMatrix& V, const TriangleMatrix& F, const TriangleBvh& bv
 Vec Rays::normal(Index f) const {
   const Vec a = vec(corner(f, 0));
   return cross(vec(corner(f, 1)) - a, vec(corner(f, 2)) - a);
+}
+
+Whole Rays::whole_normal(Index f) const {
+  const double* corners[3] = {corner(f, 0), corner(f, 1), corner(f, 2)};
+  return Plane(corners).normal();
 }
 
 std::array<double, 3> Rays::unit_normal(Index f) const {
@@ -255,6 +293,7 @@ int Rays::side(const Point& m, Index f) const {
   const double value = height(m, f, error);
   if (std::fabs(value) > error) return value > 0 ? 1 : -1;
   const double* corners[3] = {corner(f, 0), corner(f, 1), corner(f, 2)};
+  if (m.in_doubles) return orient3d(corners[0], corners[1], corners[2], m.near.data());
   thread_local mpz_class height;
   Plane(corners).height(Homogeneous(m.x), height);
   return sgn(height);

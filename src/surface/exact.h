@@ -38,15 +38,33 @@ inline bool is_zero(const Vec& a) { return sign(a[0]) == 0 && sign(a[1]) == 0 &&
 inline std::array<double, 3> approximate(const Vec& a) {
   return {a[0].get_d(), a[1].get_d(), a[2].get_d()};  // truncated: within an ulp
 }
+
+// A direction up to a positive factor. Signs do not change when a vector is multiplied by a positive number,
+// so they need integers only: no fractions, no common divisors.
+using Whole = std::array<mpz_class, 3>;
+
+Whole whole(const Vec& v);      // v times a positive number
+Whole primitive(const Vec& v);  // the shortest one along v or against it: its first number not 0 is positive
+Whole cross(const Whole& a, const Whole& b);
+int dot_sign(const Whole& a, const Whole& b);
+int det_sign(const Whole& a, const Whole& b, const Whole& c);
+inline bool is_zero(const Whole& a) { return sgn(a[0]) == 0 && sgn(a[1]) == 0 && sgn(a[2]) == 0; }
+inline Whole opposite(const Whole& a) { return {mpz_class(-a[0]), mpz_class(-a[1]), mpz_class(-a[2])}; }
+// Of length 1, each number wrong by 1e-15 at most; any length of the integers. pre: not zero.
+std::array<double, 3> unit(const Whole& a);
+
 std::string fraction(const Rational& x);  // "-17" or "12345/65536"
 
 // A point or direction with its value in doubles, each within an ulp.
 struct Point {
   Vec x;
   std::array<double, 3> near;
+  bool in_doubles = false;  // x is near
   Point() = default;
-  explicit Point(Vec v) : x(std::move(v)), near(approximate(x)) {}
-  explicit Point(const double* p) : x(vec(p)), near{p[0], p[1], p[2]} {}
+  explicit Point(Vec v) : x(std::move(v)), near(approximate(x)) {
+    in_doubles = x[0] == near[0] && x[1] == near[1] && x[2] == near[2];
+  }
+  explicit Point(const double* p) : x(vec(p)), near{p[0], p[1], p[2]}, in_doubles(true) {}
 };
 
 enum class RayStatus { counted, grazes, starts_on_surface };
@@ -90,6 +108,7 @@ class Rays {
   const TriangleMatrix& F() const { return F_; }
   const VertexMatrix& V() const { return V_; }
   Vec normal(Index f) const;                         // (b - a) x (c - a), exact
+  Whole whole_normal(Index f) const;                 // times a positive number
   std::array<double, 3> unit_normal(Index f) const;  // in doubles, for choosing directions only
 
  private:

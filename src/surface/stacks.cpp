@@ -49,11 +49,12 @@ class StackSearch {
       }
       q = (1 / sum) * q;
       std::vector<Layer> layers;
-      if (!find_layers(q, n, layers)) continue;
+      const Point place(q);
+      if (!find_layers(place, n, layers)) continue;
       std::vector<Index> faces;
       for (const Layer& layer : layers) faces.push_back(layer.face);
       if (!seen_.insert(std::move(faces)).second) return std::nullopt;
-      return upset(f, q, n, layers);
+      return upset(f, place, n, layers);
     }
     return std::nullopt;
   }
@@ -67,10 +68,21 @@ class StackSearch {
     return true;
   }
 
+  bool same_place(Index f, Index g) const {
+    const auto corners = [&](Index t) {
+      std::array<std::array<double, 3>, 3> out;
+      for (int k = 0; k < 3; ++k) std::copy_n(corner(t, k), 3, out[k].begin());
+      std::sort(out.begin(), out.end());
+      return out;
+    };
+    return corners(f) == corners(g);
+  }
+
   // Face g cut at the edges of f.
   std::vector<Vec> overlap(Index f, Index g, const Vec& n) const {
     std::vector<Vec> ring;
     for (int k = 0; k < 3; ++k) ring.push_back(exact::vec(corner(g, k)));
+    if (same_place(f, g)) return ring;
     for (int k = 0; k < 3; ++k) {
       const Vec a = exact::vec(corner(f, k)), wall = exact::cross(n, exact::vec(corner(f, k + 1)) - a);
       std::vector<Vec> kept;
@@ -86,43 +98,47 @@ class StackSearch {
   }
 
   // The faces through q; false where one of them has q on its border, or n in its plane.
-  bool find_layers(const Vec& q, const Vec& n, std::vector<Layer>& layers) const {
-    for (const Index f : rays_.faces_at(Point(q))) {
-      const Vec m = rays_.normal(f);
-      const int up = exact::sign(dot(m, n));
-      if (up == 0) return false;
-      Layer layer{f, {}, up > 0};
-      const Rational area = dot(m, m);
-      for (int k = 0; k < 3; ++k) {
-        const Vec a = exact::vec(corner(f, k + 1)), b = exact::vec(corner(f, k + 2));
-        layer.b[k] = dot(m, exact::cross(b - a, q - a)) / area;
-        if (exact::sign(layer.b[k]) <= 0) return false;
-      }
-      layers.push_back(std::move(layer));
+  bool find_layers(const Point& q, const Vec& n, std::vector<Layer>& layers) const {
+    const Point up(n);
+    for (const Index f : rays_.faces_at(q)) {
+      const int passes = rays_.passes(q, up, f);
+      if (passes == exact::Rays::kGrazes) return false;
+      layers.push_back({f, {}, passes > 0});
     }
     return true;
   }
 
+  void find_places(const Vec& q, std::vector<Layer>& layers) const {
+    for (Layer& layer : layers) {
+      const Vec m = rays_.normal(layer.face);
+      const Rational area = dot(m, m);
+      for (int k = 0; k < 3; ++k) {
+        const Vec a = exact::vec(corner(layer.face, k + 1)), b = exact::vec(corner(layer.face, k + 2));
+        layer.b[k] = dot(m, exact::cross(b - a, q - a)) / area;
+      }
+    }
+  }
+
   // Moves that take faces where the inside ends below those where it begins, if the winding number is
   // negative then.
-  std::optional<StackWitness> upset(Index f, const Vec& q, const Vec& n,
-                                    const std::vector<Layer>& layers) const {
+  std::optional<StackWitness> upset(Index f, const Point& q, const Vec& n, std::vector<Layer>& layers) const {
     std::vector<Index> faces;
     int ends = 0;
     for (const Layer& layer : layers) {
       faces.push_back(layer.face);
       ends += layer.leaves;
     }
-    if (ends == static_cast<int>(layers.size())) return std::nullopt;
-    const exact::RayCount below = rays_.count(Point(q), Point(Rational(-1) * n), nullptr, faces);
+    if (ends == 0 || ends == static_cast<int>(layers.size())) return std::nullopt;
+    const exact::RayCount below = rays_.count(q, Point(Rational(-1) * n), nullptr, faces);
     if (below.status != exact::RayStatus::counted || below.winding >= ends) return std::nullopt;
+    find_places(q.x, layers);
     const Moves moves = moves_apart(layers);
     const int lowest = lowest_winding(layers, below.winding, moves);
     if (lowest >= 0) return std::nullopt;
     StackWitness out;
     out.face = f;
-    out.point = exact::approximate(q);
-    for (int k = 0; k < 3; ++k) out.exact[k] = exact::fraction(q[k]);
+    out.point = q.near;
+    for (int k = 0; k < 3; ++k) out.exact[k] = exact::fraction(q.x[k]);
     for (const auto& [v, m] : moves) {
       if (m == 0) continue;
       out.vertices.push_back(v);

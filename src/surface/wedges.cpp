@@ -10,16 +10,119 @@ namespace {
 using exact::Point;
 using exact::Rational;
 using exact::RayCount;
+using exact::Rays;
 using exact::RayStatus;
 using exact::Vec;
+using exact::Whole;
 
 constexpr int kAttempts = 12;  // other directions or places when a ray grazes an edge
+// Determinants of three directions of length 1 in doubles are wrong by far less.
+constexpr double kSure = 1e-13;
 
 Rational inverse_length(const Vec& x) {
   const auto a = exact::approximate(x);
   const double big = std::max(std::max(std::fabs(a[0]), std::fabs(a[1])), std::fabs(a[2]));
   return big > 1e-290 && big < 1e290 ? Rational(1 / big) : Rational(1);
 }
+
+using Near = std::array<double, 3>;
+
+Near cross(const Near& a, const Near& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+double dot(const Near& a, const Near& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+// The half-planes around a line along u in which the faces through one of its points show, as directions
+// across u, in order of their angles. A face is seen as one or two of them, or (with the point on its edge
+// across u) as less: all n x u and -(n x u) are taken, as too many do no harm. Signs are exact, decided in
+// doubles where those are sure.
+class Borders {
+ public:
+  Borders(const Rays& rays, const Whole& u, const std::vector<Index>& faces) : u_{u, exact::unit(u)} {
+    std::vector<Whole> normals;
+    for (const Index f : faces) {
+      Whole normal = rays.whole_normal(f);
+      const Whole back = exact::opposite(normal);
+      // Of faces that lie on each other one is enough.
+      if (std::any_of(normals.begin(), normals.end(),
+                      [&](const Whole& known) { return known == normal || known == back; }))
+        continue;
+      const Whole b = exact::cross(normal, u);
+      normals.push_back(std::move(normal));
+      if (exact::is_zero(b)) continue;
+      for (const Whole& exact : {b, exact::opposite(b)}) list_.push_back({exact, exact::unit(exact)});
+    }
+    if (list_.empty()) return;
+    first_ = list_[0];
+    const Whole second = exact::cross(u, first_.exact);
+    second_ = {second, exact::unit(second)};
+    for (Direction& x : list_) x.half = half(x);
+    std::sort(list_.begin(), list_.end(), [&](const Direction& x, const Direction& y) {
+      return x.half != y.half ? x.half < y.half : turn(x, y) > 0;
+    });
+  }
+
+  int size() const { return static_cast<int>(list_.size()); }
+  int turn(int i, int j) const { return turn(list_[i], list_[j]); }
+  bool alike(int i, int j) const { return sign_of_dot(list_[i], list_[j]) > 0; }
+
+  // A direction between two neighbours, another one at each attempt.
+  Vec between(int i, int j, int turn, int attempt) const {
+    const Direction &x = list_[i], &y = list_[j];
+    const double weight = 1 + 0.4 * exact::scatter(attempt);
+    const double lean = attempt > 0 ? 0.3 * exact::scatter(attempt + 5) : 0;
+    const Near side = turn == 0 ? cross(u_.near, x.near) : x.near;
+    const Near& other = turn == 0 ? x.near : y.near;
+    const double part = turn == 0 ? weight - 1 : weight;
+    Direction d;
+    for (int k = 0; k < 3; ++k) d.near[k] = side[k] + part * other[k] + lean * u_.near[k];
+    // Doubles where the wedge is wide enough for them: short numbers are fast.
+    Vec rounded = exact::vec(d.near.data());
+    d.exact = exact::whole(rounded);
+    if (this->turn(x, d) > 0 && (turn == 0 || this->turn(d, y) > 0)) return rounded;
+    const Vec axis = shortened(u_.exact), a = shortened(x.exact);
+    return (turn == 0 ? exact::cross(axis, a) + Rational(weight - 1) * a
+                      : a + Rational(weight) * shortened(y.exact)) +
+           Rational(lean) * axis;
+  }
+
+ private:
+  struct Direction {
+    Whole exact;
+    Near near;  // its length is 1, or about that
+    int half = 0;
+  };
+
+  // Of length about 1.
+  static Vec shortened(const Whole& a) {
+    std::size_t bits = 0;
+    for (const mpz_class& x : a) bits = std::max(bits, mpz_sizeinbase(x.get_mpz_t(), 2));
+    Vec out;
+    for (int k = 0; k < 3; ++k) {
+      out[k] = Rational(a[k]);
+      mpq_div_2exp(out[k].get_mpq_t(), out[k].get_mpq_t(), bits);
+    }
+    return out;
+  }
+
+  int turn(const Direction& x, const Direction& y) const {
+    const double value = dot(u_.near, cross(x.near, y.near));
+    if (std::fabs(value) > kSure) return value > 0 ? 1 : -1;
+    return exact::det_sign(u_.exact, x.exact, y.exact);
+  }
+  static int sign_of_dot(const Direction& x, const Direction& y) {
+    const double value = dot(x.near, y.near);
+    if (std::fabs(value) > kSure) return value > 0 ? 1 : -1;
+    return exact::dot_sign(x.exact, y.exact);
+  }
+  int half(const Direction& v) const {
+    const int side = sign_of_dot(second_, v);
+    return side > 0 || (side == 0 && sign_of_dot(first_, v) > 0) ? 0 : 1;
+  }
+
+  Direction u_, first_, second_;
+  std::vector<Direction> list_;
+};
 
 }  // namespace
 
@@ -70,48 +173,19 @@ std::optional<Wedge> Wedges::in_front(Index f, Index g, const Vec& u, const Vec&
   return std::nullopt;
 }
 
-std::vector<Wedge> Wedges::around(const Vec& u, const Point& m) const {
+std::vector<Wedge> Wedges::around(const Whole& u, const Point& m) const {
   std::vector<Wedge> out;
   const std::vector<Index> at = rays_.faces_at(m);
   if (at.empty()) return out;
-  // Every face through m shows as one or two half-planes around u, or (with m on its edge across u) as
-  // less. All directions n x u and -(n x u) are taken as borders: too many wedges do no harm.
-  std::vector<Vec> borders;
-  for (const Index f : at) {
-    const Vec b = exact::cross(rays_.normal(f), u);
-    if (exact::is_zero(b)) continue;
-    const Vec scaled = inverse_length(b) * b;
-    borders.push_back(scaled);
-    borders.push_back(Rational(-1) * scaled);
-  }
-  if (borders.empty()) return out;
-  const Vec first = borders[0], second = exact::cross(u, first);
-  const auto half = [&](const Vec& v) {
-    const int y = exact::sign(dot(second, v));
-    return y > 0 || (y == 0 && exact::sign(dot(first, v)) > 0) ? 0 : 1;
-  };
-  std::sort(borders.begin(), borders.end(), [&](const Vec& x, const Vec& y) {
-    const int hx = half(x), hy = half(y);
-    if (hx != hy) return hx < hy;
-    return exact::sign(exact::det(u, x, y)) > 0;
-  });
-  const Vec axis = inverse_length(u) * u;
-  for (std::size_t i = 0; i < borders.size(); ++i) {
-    const Vec &x = borders[i], &y = borders[(i + 1) % borders.size()];
+  const Borders borders(rays_, u, at);
+  const int n = borders.size();
+  for (int i = 0; i < n; ++i) {
+    const int j = (i + 1) % n;
     // Every border comes with its opposite, so a wedge is half a turn at most.
-    const int turn = exact::sign(exact::det(u, x, y));
-    if (turn < 0 || (turn == 0 && exact::sign(dot(x, y)) > 0)) continue;  // equal borders
+    const int turn = borders.turn(i, j);
+    if (turn < 0 || (turn == 0 && borders.alike(i, j))) continue;
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
-      const double weight = 1 + 0.4 * exact::scatter(attempt);
-      Vec d = turn == 0 ? exact::cross(axis, x) + Rational(weight - 1) * x : x + Rational(weight) * y;
-      if (attempt > 0) d = d + Rational(0.3 * exact::scatter(attempt + 5)) * axis;
-      // Doubles where the wedge is wide enough for them: short numbers are fast.
-      const auto near = exact::approximate(d);
-      const Vec rounded = exact::vec(near.data());
-      const bool inside = turn == 0 ? exact::sign(exact::det(u, x, rounded)) > 0
-                                    : exact::sign(exact::det(u, x, rounded)) > 0 &&
-                                          exact::sign(exact::det(u, rounded, y)) > 0;
-      if (inside) d = rounded;
+      const Vec d = borders.between(i, j, turn, attempt);
       const RayCount ray = rays_.count(m, Point(d), nullptr, at);
       if (ray.status != RayStatus::counted) continue;
       out.push_back({m.x, d, at, ray.winding});

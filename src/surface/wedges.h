@@ -40,7 +40,7 @@ class Wedges {
                                 const exact::Rational& t1) const;
 
   // All wedges around a point of a line along u where faces meet in whatever way; some may come twice.
-  std::vector<Wedge> around(const exact::Vec& u, const exact::Point& m) const;
+  std::vector<Wedge> around(const exact::Whole& u, const exact::Point& m) const;
 
  private:
   const exact::Rays& rays_;

@@ -49,14 +49,21 @@ class PairStudy {
   PairFinding run(const FacePair& pair) const {
     PairFinding out;
     const Index f = pair.first, g = pair.second;
-    const Vec nf = rays_.normal(f), ng = rays_.normal(g), u = exact::cross(nf, ng);
-    if (exact::is_zero(u)) {
+    const Sides sides_f = sides(f, g), sides_g = sides(g, f);
+    if (sides_f == Sides{}) {
       coplanar(f, g, out);
       return out;
     }
+    // A face that meets the other one's plane in no more than a corner.
+    const auto corner_only = [](const Sides& s) { return std::abs(s[0] + s[1] + s[2]) == 2; };
+    if (corner_only(sides_f) || corner_only(sides_g)) {
+      out.touches = true;
+      return out;
+    }
+    const Vec nf = rays_.normal(f), ng = rays_.normal(g), u = exact::cross(nf, ng);
     bool regular = true;
     Vec from, to;
-    if (!segment(f, g, nf, ng, u, from, to, regular)) {
+    if (!segment(f, g, sides_f, sides_g, nf, ng, u, from, to, regular)) {
       out.touches = true;
       return out;
     }
@@ -67,30 +74,39 @@ class PairStudy {
  private:
   Vec corner(Index f, int k) const { return exact::vec(rays_.corner(f, k % 3)); }
 
-  // Where the plane (point o, normal n) cuts face f: the two ends on the common line.
-  bool cut(Index f, const Vec& o, const Vec& n, std::vector<Vec>& ends, bool& regular) const {
-    Vec p[3];
-    Rational height[3];
-    int side[3];
-    for (int k = 0; k < 3; ++k) {
-      p[k] = corner(f, k);
-      height[k] = dot(n, p[k] - o);
-      side[k] = exact::sign(height[k]);
-      if (side[k] == 0) ends.push_back(p[k]);
-    }
+  // On which side of face g's plane the corners of face f lie.
+  using Sides = std::array<int, 3>;
+  Sides sides(Index f, Index g) const {
+    Sides out;
+    for (int k = 0; k < 3; ++k)
+      out[k] = orient3d(rays_.corner(g, 0), rays_.corner(g, 1), rays_.corner(g, 2), rays_.corner(f, k));
+    return out;
+  }
+
+  // Where the plane (point o, normal n) cuts face f, whose corners lie on these sides of it: the two ends on
+  // the common line.
+  bool cut(Index f, const Sides& side, const Vec& o, const Vec& n, std::vector<Vec>& ends,
+           bool& regular) const {
+    for (int k = 0; k < 3; ++k)
+      if (side[k] == 0) ends.push_back(corner(f, k));
     if (ends.size() > 1) regular = false;  // an edge of f lies in the plane
     for (int k = 0; k < 3; ++k) {
       const int m = (k + 1) % 3;
-      if (side[k] * side[m] < 0) ends.push_back(p[k] + (height[k] / (height[k] - height[m])) * (p[m] - p[k]));
+      if (side[k] * side[m] >= 0) continue;
+      const Vec p = corner(f, k), q = corner(f, m);
+      const Rational a = dot(n, p - o), b = dot(n, q - o);
+      ends.push_back(p + (a / (a - b)) * (q - p));
     }
     return !ends.empty();
   }
 
   // The common segment of two faces in different planes; false when it is a point at most.
-  bool segment(Index f, Index g, const Vec& nf, const Vec& ng, const Vec& u, Vec& from, Vec& to,
-               bool& regular) const {
+  bool segment(Index f, Index g, const Sides& sides_f, const Sides& sides_g, const Vec& nf, const Vec& ng,
+               const Vec& u, Vec& from, Vec& to, bool& regular) const {
     std::vector<Vec> in_f, in_g;
-    if (!cut(f, corner(g, 0), ng, in_f, regular) || !cut(g, corner(f, 0), nf, in_g, regular)) return false;
+    if (!cut(f, sides_f, corner(g, 0), ng, in_f, regular) ||
+        !cut(g, sides_g, corner(f, 0), nf, in_g, regular))
+      return false;
     int axis = 0;
     const auto size = exact::approximate(u);
     for (int k = 1; k < 3; ++k)
@@ -132,13 +148,12 @@ class PairStudy {
       } else {
         // The segment runs in the plane of h: cut it at h's edges.
         regular = false;
-        const Vec n = rays_.normal(h);
+        const auto [axis, up] = flat_axis(h);
         for (int k = 0; k < 3; ++k) {
-          const Vec wall = exact::cross(n, corner(h, k + 1) - corner(h, k));
-          const Rational x = dot(wall, from - corner(h, k)), y = dot(wall, to - corner(h, k));
-          if (exact::sign(x) * exact::sign(y) >= 0) continue;
+          const Crossing c = crossing(start, end, rays_.corner(h, k), rays_.corner(h, (k + 1) % 3), axis, up);
+          if (c.from * c.to >= 0) continue;
           Cut cut;
-          cut.exact = x / (x - y);
+          cut.exact = c.place();
           cut.near = cut.exact->get_d();
           cut.error = 1e-15;
           cuts.push_back(std::move(cut));
@@ -202,15 +217,13 @@ class PairStudy {
 
   // Where faces coincide many pairs ask about the same place.
   PairFinding seen_around(const Vec& u, const Point& m) const {
-    int axis = 0;
-    while (exact::sign(u[axis]) == 0) ++axis;
-    const Place place{m.x, (1 / u[axis]) * u};
+    const Place place{m.x, exact::primitive(u)};
     std::vector<std::pair<Place, PairFinding>>* places;
     {
       const std::scoped_lock lock(places_mutex_);
       places = &places_[m.near];
       for (const auto& [known, finding] : *places)
-        if (exact::is_zero(known.m - place.m) && exact::is_zero(known.u - place.u)) return finding;
+        if (known.m.x == place.m.x && known.u == place.u) return finding;
     }
     PairFinding finding;
     for (const Wedge& wedge : wedges_.around(place.u, m)) {
@@ -238,25 +251,31 @@ class PairStudy {
     Rational from_height, to_height;
     Rational place() const { return from_height / (from_height - to_height); }  // on the edge, 0 to 1
   };
-  Crossing crossing(const double* from, const double* to, const double* a, const double* b, int axis,
+  Crossing crossing(const Point& from, const Point& to, const double* a, const double* b, int axis,
                     int up) const {
     const int i = (axis + 1) % 3, j = (axis + 2) % 3;
-    const auto sign_of = [&](const double* p) { return up * orient2d(a[i], a[j], b[i], b[j], p[i], p[j]); };
-    Crossing out{sign_of(from), sign_of(to), {}, {}};
+    const auto height = [&](const Point& p) -> Rational {
+      return (Rational(b[i]) - a[i]) * (p.x[j] - a[j]) - (Rational(b[j]) - a[j]) * (p.x[i] - a[i]);
+    };
+    const auto side = [&](const Point& p) {
+      return up *
+             (p.in_doubles ? orient2d(a[i], a[j], b[i], b[j], p.near[i], p.near[j]) : exact::sign(height(p)));
+    };
+    Crossing out{side(from), side(to), {}, {}};
     if (out.from * out.to >= 0) return out;
-    const Rational u = Rational(b[i]) - a[i], v = Rational(b[j]) - a[j];
-    out.from_height = u * (Rational(from[j]) - a[j]) - v * (Rational(from[i]) - a[i]);
-    out.to_height = u * (Rational(to[j]) - a[j]) - v * (Rational(to[i]) - a[i]);
+    out.from_height = height(from);
+    out.to_height = height(to);
     return out;
   }
 
   // The piece of an edge of face x inside face y, coplanar; false if there is none.
   bool outline(Index x, int k, Index y, PairFinding& out) const {
     const double *from = rays_.corner(x, k), *to = rays_.corner(x, (k + 1) % 3);
+    const Point start(from), end(to);
     const auto [axis, up] = flat_axis(y);
     Rational lo = 0, hi = 1;
     for (int j = 0; j < 3; ++j) {
-      const Crossing c = crossing(from, to, rays_.corner(y, j), rays_.corner(y, (j + 1) % 3), axis, up);
+      const Crossing c = crossing(start, end, rays_.corner(y, j), rays_.corner(y, (j + 1) % 3), axis, up);
       if (std::max(c.from, c.to) <= 0 && std::min(c.from, c.to) < 0) return false;
       if (c.from < 0) lo = std::max(lo, c.place());
       if (c.to < 0) hi = std::min(hi, c.place());
@@ -267,19 +286,19 @@ class PairStudy {
     const auto add = [&](Rational t) {
       if (lo < t && t < hi) cuts.push_back(std::move(t));
     };
-    const Vec p = exact::vec(from), e = exact::vec(to) - p;
-    const Point start(p), line(e);
+    const Vec &p = start.x, e = end.x - p;
+    const Point line(e);
     for (const Index h : partners_.common(x, y)) {
       const double* corners[3] = {rays_.corner(h, 0), rays_.corner(h, 1), rays_.corner(h, 2)};
       const int s = orient3d(corners[0], corners[1], corners[2], from);
       const int t = orient3d(corners[0], corners[1], corners[2], to);
       if (s * t < 0) {
-        if (rays_.passes(start, line, h) != 0) add(rays_.cut(start, Point(exact::vec(to)), h));
+        if (rays_.passes(start, line, h) != 0) add(rays_.cut(start, end, h));
       } else if (s == 0 && t == 0) {
         const auto [flat, side] = flat_axis(h);
         for (int j = 0; j < 3; ++j) {
           const double *a = corners[j], *b = corners[(j + 1) % 3];
-          const Crossing c = crossing(from, to, a, b, flat, side);
+          const Crossing c = crossing(start, end, a, b, flat, side);
           if (c.from * c.to >= 0) continue;
           // Only the edge cuts, not the line on which it lies.
           const int i1 = (flat + 1) % 3, i2 = (flat + 2) % 3;
@@ -309,7 +328,8 @@ class PairStudy {
   }
 
   struct Place {
-    Vec m, u;  // a point and the line through it
+    Vec m;
+    exact::Whole u;  // along the line through it
   };
 
   const Rays& rays_;
