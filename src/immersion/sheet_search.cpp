@@ -94,6 +94,18 @@ bool SheetSearch::solve() {
       auto& list = free_fans_of_[leaf.region];
       if (list.empty() || list.back() != i) list.push_back(i);
     }
+  links_of_.assign(n, {});
+  for (Index i = 0; i < static_cast<Index>(puzzle_.links.size()); ++i) {
+    const VertexLink& link = puzzle_.links[i];
+    if (is_complete(link)) {
+      if (!makes_discs(link, chosen_, regions_)) return false;
+      continue;
+    }
+    for (const VertexLink::Arc& arc : link.arcs) {
+      auto& list = links_of_[arc.region];
+      if (list.empty() || list.back() != i) list.push_back(i);
+    }
+  }
   // Independent parts one after the other.
   std::vector<char> seen(n, 0);
   for (Index seed = 0; seed < n; ++seed) {
@@ -108,6 +120,8 @@ bool SheetSearch::solve() {
         for (const Index r : open_members_.at(c)) add(r);
       for (const Index c : free_fans_of_[part[i]])
         for (const auto& leaf : puzzle_.free_fans[c].fan.leaves) add(leaf.region);
+      for (const Index c : links_of_[part[i]])
+        for (const auto& arc : puzzle_.links[c].arcs) add(arc.region);
     }
     deepest_fan_ = fans_of_[seed].empty() ? -1 : fans_of_[seed][0];
     if (!search(part)) return false;
@@ -185,7 +199,7 @@ std::optional<std::vector<Index>> SheetSearch::possible(Index r) {
       if (!fits) blamed_ = static_cast<Index>(puzzle_.fans.size()) + c;
       cost += (turns != f.given) + (turns > 0 && f.pierced ? kPiercedCost : 0);
     }
-    if (fits) costs.emplace_back(cost, o);
+    if (fits && fits_links(r)) costs.emplace_back(cost, o);
   }
   looks_ += static_cast<std::int64_t>(candidates.size());
   chosen_[r] = nullptr;
@@ -198,6 +212,21 @@ std::optional<std::vector<Index>> SheetSearch::possible(Index r) {
 bool SheetSearch::is_complete(const Fan& fan, Index open) const {
   return std::all_of(fan.leaves.begin(), fan.leaves.end(),
                      [&](const Fan::Leaf& l) { return l.region == open || chosen_[l.region]; });
+}
+
+bool SheetSearch::is_complete(const VertexLink& link) const {
+  return std::all_of(link.arcs.begin(), link.arcs.end(),
+                     [&](const VertexLink::Arc& a) { return chosen_[a.region]; });
+}
+
+// As far as all others at them are chosen.
+bool SheetSearch::fits_links(Index r) {
+  for (const Index i : links_of_[r]) {
+    if (!is_complete(puzzle_.links[i]) || makes_discs(puzzle_.links[i], chosen_, regions_)) continue;
+    blamed_ = static_cast<Index>(puzzle_.fans.size() + puzzle_.free_fans.size()) + i;
+    return false;
+  }
+  return true;
 }
 
 // For a region without a list: the gluings that a fan allows in which all others are chosen.
@@ -346,6 +375,7 @@ bool SheetSearch::search(const std::vector<Index>& part) {
       all_listed ? kFirstNodes + kFirstNodesEach * n : kFirstNodes + kMostNodesMade * n;
   const std::int64_t last = nodes_ + (all_listed ? most_nodes_ : kAttemptsMade * first);
   weight_.assign(puzzle_.fans.size() + puzzle_.free_fans.size(), 1);
+  weight_.resize(weight_.size() + puzzle_.links.size(), 0);
   for (std::int64_t most = first, round = 0;; most += most / 2, ++round) {
     const Found found = attempt(part, std::min(most, last - nodes_), round > 0);
     if (found == Found::yes) return true;
@@ -381,6 +411,8 @@ SheetSearch::Found SheetSearch::attempt(const std::vector<Index>& part, std::int
     double weight = 0;
     for (const Index c : fans_of_[part[i]]) weight += weight_[c];
     for (const Index c : free_fans_of_[part[i]]) weight += weight_[puzzle_.fans.size() + c];
+    for (const Index c : links_of_[part[i]])
+      weight += weight_[puzzle_.fans.size() + puzzle_.free_fans.size() + c];
     return 1 + n / (1 + weight);
   };
   std::vector<int> touched(part.size(), 0);  // changes next to it
@@ -399,6 +431,17 @@ SheetSearch::Found SheetSearch::attempt(const std::vector<Index>& part, std::int
       for (const Index other : open_members_.at(c)) spoil_one(other, 0);
     for (const Index c : free_fans_of_[r])
       for (const auto& leaf : puzzle_.free_fans[c].fan.leaves) spoil_one(leaf.region, 1);
+    // A link rejects nothing before all but one are chosen.
+    for (const Index c : links_of_[r]) {
+      Index last = -1;
+      bool several = false;
+      for (const auto& arc : puzzle_.links[c].arcs) {
+        if (chosen_[arc.region] || arc.region == r || arc.region == last) continue;
+        several = several || last >= 0;
+        last = arc.region;
+      }
+      if (last >= 0 && !several) spoil_one(last, 0);
+    }
   };
   const auto weigh = [&](Index fan) {
     ++weight_[fan];
@@ -407,10 +450,13 @@ SheetSearch::Found SheetSearch::attempt(const std::vector<Index>& part, std::int
       if (const auto it = at.find(r); it != at.end() && !chosen_[r]) rank(it->second);
     };
     const Index free = fan - static_cast<Index>(puzzle_.fans.size());
+    const Index link = free - static_cast<Index>(puzzle_.free_fans.size());
     if (free < 0)
       for (const Index r : open_members_.at(fan)) again(r);
-    else
+    else if (link < 0)
       for (const auto& leaf : puzzle_.free_fans[free].fan.leaves) again(leaf.region);
+    else
+      for (const auto& arc : puzzle_.links[link].arcs) again(arc.region);
   };
   const auto give_up = [&] {
     for (const Level& level : levels) chosen_[level.region] = nullptr;
@@ -479,7 +525,7 @@ std::set<std::pair<Index, Index>> SheetSearch::settle_free_fans() {
         chosen_[r] = &option;
         const bool fits = std::all_of(fans_of_[r].begin(), fans_of_[r].end(),
                                       [&](Index c) { return satisfied(puzzle_.fans[c], chosen_, regions_); });
-        if (!fits) continue;
+        if (!fits || !fits_links(r)) continue;
         if (const double there = cost(r); there < best) best = there, choice = &option;
       }
       chosen_[r] = choice;

@@ -14,6 +14,7 @@
 #include "overtet/run_context.h"
 #include "overtet/types.h"
 #include "src/immersion/fan.h"
+#include "src/immersion/vertex_link.h"
 
 namespace overtet {
 
@@ -31,6 +32,7 @@ struct SheetPuzzle {
       cells;  // per region, in front of it and behind it; -1: outside everything
   std::vector<Fan> fans;
   std::vector<FreeFan> free_fans;
+  std::vector<VertexLink> links;  // where more than fans must be seen to
 };
 
 class SheetSearch {
@@ -46,7 +48,8 @@ class SheetSearch {
   SheetSearch(const std::vector<Region>& regions, const std::vector<Index>& winding,
               const SheetPuzzle& puzzle, const RunContext& context, std::int64_t most_nodes = kMostNodes);
 
-  // Whether there are gluings that satisfy all fans; no, too, where the search is stopped or given up.
+  // Whether there are gluings that satisfy all fans and links; no, too, where the search is stopped or given
+  // up.
   bool solve();
 
   // After solve() has found some: fewer wound edges. Regions change their gluing where nothing forbids it.
@@ -70,6 +73,8 @@ class SheetSearch {
   void name_copies();
   std::optional<std::vector<Index>> possible(Index r);
   bool is_complete(const Fan& fan, Index open = -1) const;
+  bool is_complete(const VertexLink& link) const;
+  bool fits_links(Index r);
   std::optional<std::vector<Index>> make_options(Index r);
   std::optional<std::vector<Index>> options_around(const Fan& fan, Index r, int turns);
   int turns_at(const FreeFan& f) const;
@@ -90,12 +95,13 @@ class SheetSearch {
   std::vector<char> listed_;                              // whether these are all
   std::vector<std::map<std::vector<int>, Index>> known_;  // where they are not: which there are
   std::vector<const Gluing*> chosen_;
-  std::vector<std::vector<Index>> fans_of_, free_fans_of_;  // per region
+  std::vector<std::vector<Index>> fans_of_, free_fans_of_, links_of_;  // per region
   std::map<Index, std::vector<Index>> open_members_;
   Index impossible_region_ = -1;
   Index deepest_fan_ = -1;
-  Index blamed_ = -1;           // the last fan that rejected an option; free fans come after the others
-  std::vector<double> weight_;  // dead ends at each fan, free or not
+  // The last one that rejected an option: fans, free fans, and links, in this order.
+  Index blamed_ = -1;
+  std::vector<double> weight_;  // dead ends at each of these
 };
 
 }  // namespace overtet

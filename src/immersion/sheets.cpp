@@ -166,6 +166,7 @@ class Assigner {
     std::vector<std::array<Index, 3>> link(m, {-1, -1, -1});
     std::map<std::pair<Index, int>, std::vector<Index>> link_sheets;  // only where there are several
     std::vector<std::pair<std::size_t, std::size_t>> special;
+    std::set<Index> turning;  // vertices at edges that are wound, or may be
     std::vector<Fan::Pass> passes;
     Edge over;
     std::set<Edge> covered;
@@ -184,9 +185,12 @@ class Assigner {
       if (auto error = find_passes(group, passes, over)) return error;
       if (covered.count(over)) {
         free_groups_[over].emplace_back(b, e);
+        turning.insert({group[0].p, group[0].q});
         b = e;
         continue;
       }
+      if (std::any_of(passes.begin(), passes.end(), [](const Fan::Pass& p) { return p.turns > 0; }))
+        turning.insert({group[0].p, group[0].q});
       bool plain = group.size() == 2;
       for (const Fan::Pass& p : passes) plain &= p.turns == 0 && p.from != p.to;
       if (plain) {
@@ -261,7 +265,75 @@ class Assigner {
       fan_place_.push_back(vertex);
     }
     out_.constraints = static_cast<Index>(puzzle_.fans.size());
+    // With a tolerance the surface may be pinched where it is not.
+    if (!arrangement_.tolerant) add_links(uses, turning);
     return std::nullopt;
+  }
+
+  // Fans leave open what becomes of a vertex: its turns may make a handle.
+  void add_links(const std::vector<EdgeUse>& uses, const std::set<Index>& vertices) {
+    struct Star {
+      std::vector<std::span<const EdgeUse>> edges;
+      std::vector<Index> tets;  // that are covered
+    };
+    std::map<Index, Star> stars;
+    for (const Index v : vertices) stars[v];
+    for (std::size_t b = 0; b < uses.size();) {
+      std::size_t e = b + 1;
+      while (e < uses.size() && uses[e].p == uses[b].p && uses[e].q == uses[b].q) ++e;
+      for (const Index v : {uses[b].p, uses[b].q})
+        if (const auto star = stars.find(v); star != stars.end())
+          star->second.edges.emplace_back(uses.data() + b, e - b);
+      b = e;
+    }
+    for (Index t = 0; t < tets_.T.rows() && !stars.empty(); ++t) {
+      if (out_.winding_of(t) == 0) continue;
+      for (const Index v : tets_.T.row(t))
+        if (const auto star = stars.find(v); star != stars.end()) star->second.tets.push_back(t);
+    }
+    for (const auto& [v, star] : stars) puzzle_.links.push_back(make_link(v, star.edges, star.tets));
+  }
+
+  VertexLink make_link(Index v, const std::vector<std::span<const EdgeUse>>& edges,
+                       const std::vector<Index>& tets) const {
+    VertexLink link;
+    std::map<Index, int> sector_of;  // per tet
+    std::map<Index, Index> ends;     // of edges at v, with how often they are covered; -1: facets meet there
+    for (const Index seed : tets) {
+      if (!sector_of.try_emplace(seed, static_cast<int>(link.winding.size())).second) continue;
+      const Index w = out_.winding_of(seed);
+      link.winding.push_back(w);
+      for (std::vector<Index> stack{seed}; !stack.empty();) {
+        const Index t = stack.back();
+        stack.pop_back();
+        link.rest += w;
+        for (int k = 0; k < 4; ++k) {
+          if (tets_.T(t, k) == v) continue;
+          ends.emplace(tets_.T(t, k), w);
+          if (out_.facet_on[t][k] >= 0) continue;
+          const Index next = tets_.neighbours(t, k);
+          if (t < next) link.rest -= w;
+          if (sector_of.emplace(next, sector_of.at(seed)).second) stack.push_back(next);
+        }
+      }
+    }
+    std::set<Index> facets;
+    for (const std::span<const EdgeUse> group : edges) {
+      link.corners.push_back(make_fan(group));
+      ends[group[0].p == v ? group[0].q : group[0].p] = -1;
+      for (const EdgeUse& use : group) facets.insert(use.facet);
+    }
+    for (const auto& [end, w] : ends)
+      if (w > 0) link.rest += w;
+    const auto sector = [&](Index tet) { return out_.winding_of(tet) > 0 ? sector_of.at(tet) : -1; };
+    for (const Index f : facets) {
+      const Facet& facet = out_.facets[f];
+      const Region& region = out_.regions[facet.region];
+      link.arcs.push_back({facet.region, facet.flipped, sector(facet.front), sector(facet.back)});
+      link.rest -=
+          region.front_winding + static_cast<int>(std::count(region.signs.begin(), region.signs.end(), 1));
+    }
+    return link;
   }
 
   // Input edges that could be wound: nothing else meets them but in points, and the outer side is covered all

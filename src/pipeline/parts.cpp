@@ -16,6 +16,9 @@ namespace {
 // Every part is compared with every group; beyond this number that takes longer than it saves.
 constexpr std::size_t kMostParts = 20000;
 
+// That surround one without a mesh, tried one by one.
+constexpr std::size_t kMostCarriers = 3;
+
 // With TetGen where nothing crosses: what it does not fill like this, the immersion route, which may cut the
 // surface's edges on the way, does better.
 constexpr double kPlainPatience = 0.3;
@@ -39,6 +42,10 @@ struct Part {
   Box box;
 };
 using Group = std::vector<Part>;  // meshed together
+
+bool ends_run(const Error& e) {
+  return e.code == ErrorCode::limit || e.code == ErrorCode::interrupted || e.code == ErrorCode::io;
+}
 
 bool meet(const Group& a, const Group& b) {
   return std::any_of(a.begin(), a.end(), [&](const Part& x) {
@@ -126,12 +133,15 @@ class PartsMesher {
         continue;
       }
       const Error& e = piece.error();
-      if (e.code == ErrorCode::limit || e.code == ErrorCode::interrupted || e.code == ErrorCode::io) return e;
+      if (ends_run(e)) return e;
       if (group.size() > 1) {
         for (Part& part : group) waiting.push_back({std::move(part)});
         continue;
       }
-      // By itself it has none: together with all that is near it.
+      // By itself it has none: together with one that surrounds it, or with all that is near it.
+      Result<bool> carried = carry(group[0], waiting);
+      if (!carried) return carried.error();
+      if (carried.value()) continue;
       Group joined = group;
       const auto take = [&](const Group& other) {
         const bool near = meet(group, other);
@@ -140,18 +150,11 @@ class PartsMesher {
       };
       std::erase_if(waiting, take);
       std::erase_if(done_, [&](const Piece& p) { return take(p.group); });
-      std::size_t size = 0;
-      Part whole;
-      for (const Part& part : joined) {
-        whole.components.insert(whole.components.end(), part.components.begin(), part.components.end());
-        whole.box.add(part.box);
-      }
-      for (const Part& part : joined) size += part.components.size();
-      if (joined.size() == 1 || size == route_.diagnosis.topology.topology.components.size())
+      Part whole = as_one(joined);
+      if (joined.size() == 1 || whole.components.size() == component_count())
         return Error{e.code,
                      "The part with component " + std::to_string(group[0].components[0]) +
                          ", by itself and with its vertices counted from 0, has no mesh: " + e.message};
-      std::sort(whole.components.begin(), whole.components.end());
       waiting.push_back({std::move(whole)});
     }
     record.figures.emplace_back("groups", static_cast<std::int64_t>(done_.size()));
@@ -165,6 +168,55 @@ class PartsMesher {
   struct Piece : PartMesh {
     Group group;
   };
+
+  std::size_t component_count() const { return route_.diagnosis.topology.topology.components.size(); }
+
+  static Part as_one(const Group& group) {
+    Part whole;
+    for (const Part& part : group) {
+      whole.components.insert(whole.components.end(), part.components.begin(), part.components.end());
+      whole.box.add(part.box);
+    }
+    std::sort(whole.components.begin(), whole.components.end());
+    return whole;
+  }
+
+  // Meshes a part together with one group that surrounds it, the smallest first. All at once would make more
+  // layers than it needs, and a search that may be too long.
+  Result<bool> carry(const Part& part, std::vector<Group>& waiting) {
+    struct Carrier {
+      double size;
+      Group group;
+    };
+    std::vector<Carrier> carriers;
+    const auto look_at = [&](const Group& group) {
+      for (const Part& other : group)
+        if (other.box.contains(part.box)) return carriers.push_back({other.box.size(), group});
+    };
+    for (const Group& group : waiting) look_at(group);
+    for (const Piece& piece : done_) look_at(piece.group);
+    std::stable_sort(carriers.begin(), carriers.end(),
+                     [](const Carrier& a, const Carrier& b) { return a.size < b.size; });
+    if (carriers.size() > kMostCarriers) carriers.resize(kMostCarriers);
+    for (const Carrier& carrier : carriers) {
+      Group both = carrier.group;
+      both.push_back(part);
+      Part whole = as_one(both);
+      if (whole.components.size() == component_count()) continue;  // the immersion route takes all
+      Result<Piece> piece = mesh({std::move(whole)});
+      if (!piece) {
+        if (ends_run(piece.error())) return piece.error();
+        continue;
+      }
+      const Index component = carrier.group[0].components[0];
+      const auto is_carrier = [&](const Group& g) { return g[0].components[0] == component; };
+      std::erase_if(waiting, is_carrier);
+      std::erase_if(done_, [&](const Piece& p) { return is_carrier(p.group); });
+      done_.push_back(std::move(piece).value());
+      return true;
+    }
+    return false;
+  }
 
   Result<Piece> mesh(const Group& group) {
     const SurfaceTopology& topology = route_.diagnosis.topology.topology;
