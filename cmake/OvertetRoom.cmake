@@ -1,13 +1,25 @@
-# overtet_room(NAME SOURCES ... [LINKS ...] [PRIVATE_LINKS ...])
+# overtet_room(NAME SOURCES ... [CGAL_SOURCES ...] [LINKS ...] [PRIVATE_LINKS ...])
 #
 # One static library for one folder of kernels/ or src/. Headers are included by their path from the
-# top of the repository ("kernels/bvh/bvh.h", "src/surface/diagnose.h"). LINKS are the rooms and
-# libraries whose types appear in the room's headers; PRIVATE_LINKS stay inside its .cpp files.
+# top of the repository ("kernels/bvh/bvh.h", "src/mesh/topology.h"). LINKS are the rooms and libraries
+# whose types appear in the room's headers; PRIVATE_LINKS stay inside its .cpp files. CGAL_SOURCES are the
+# files that include CGAL: its interval arithmetic needs -frounding-math, which the others do without.
 function(overtet_room name)
-  cmake_parse_arguments(ROOM "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
+  cmake_parse_arguments(ROOM "" "" "SOURCES;CGAL_SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
   add_library(overtet_${name} STATIC ${ROOM_SOURCES})
   target_include_directories(overtet_${name} PUBLIC ${CMAKE_SOURCE_DIR})
   target_link_libraries(overtet_${name} PUBLIC overtet_public ${ROOM_LINKS} PRIVATE ${ROOM_PRIVATE_LINKS})
+  if(ROOM_SOURCES)
+    target_precompile_headers(overtet_${name} REUSE_FROM overtet_precompiled)
+  endif()
+  if(ROOM_CGAL_SOURCES)
+    add_library(overtet_${name}_cgal OBJECT ${ROOM_CGAL_SOURCES})
+    target_include_directories(overtet_${name}_cgal PRIVATE ${CMAKE_SOURCE_DIR})
+    target_link_libraries(overtet_${name}_cgal
+      PRIVATE overtet_public ${ROOM_LINKS} ${ROOM_PRIVATE_LINKS} CGAL::CGAL)
+    target_sources(overtet_${name} PRIVATE $<TARGET_OBJECTS:overtet_${name}_cgal>)
+    target_link_libraries(overtet_${name} PRIVATE gmp mpfr)
+  endif()
 endfunction()
 
 # overtet_test(NAME SOURCES ... LINKS ...): one GoogleTest program for one folder of tests/.
@@ -16,5 +28,6 @@ function(overtet_test name)
   add_executable(test_${name} ${T_SOURCES})
   target_include_directories(test_${name} PRIVATE ${CMAKE_SOURCE_DIR})
   target_link_libraries(test_${name} PRIVATE ${T_LINKS} overtet_test_support GTest::gtest_main)
+  target_precompile_headers(test_${name} REUSE_FROM overtet_test_support)
   gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
 endfunction()

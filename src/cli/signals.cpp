@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "src/pipeline/watch.h"
+#include "src/run/run_monitor.h"
 
 namespace overtet {
 

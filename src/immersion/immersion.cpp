@@ -9,11 +9,11 @@
 #include <utility>
 
 #include "kernels/parallel/parallel.h"
-#include "src/immersion/boundary_points.h"
-#include "src/immersion/cover.h"
+#include "src/cdt/tetgen.h"
+#include "src/immersion/boundary_recovery.h"
+#include "src/immersion/covering_complex.h"
 #include "src/immersion/sheets.h"
-#include "src/tet_complex/tet_complex.h"
-#include "src/tetgen/tetgen.h"
+#include "src/mesh/tet_complex.h"
 
 namespace overtet {
 

@@ -20,15 +20,15 @@
 #include "overtet/result.h"
 #include "overtet/run_context.h"
 #include "overtet/types.h"
-#include "src/immersion/arrangement.h"
-#include "src/surface/wound_edges.h"
+#include "src/arrangement/arrangement.h"
+#include "src/covering/wound_edges.h"
 
 namespace overtet {
 
 struct ImmersionOptions {
   // Circumradius over shortest edge, where TetGen needs points inside (the quality pass makes them faster).
   double radius_edge = 2.0;
-  double patience = 1;  // with TetGen; src/tetgen/tetgen.h
+  double patience = 1;  // with TetGen; src/cdt/tetgen.h
 
   Status validate() const;
 };
@@ -41,14 +41,14 @@ struct ImmersionResult {
   Index winding_max = 0;
   std::int64_t search_nodes = 0;
   Index steiner_points = 0;  // that the mesh of the cells has beside those of the arrangement
-  Index missing_facets = 0, tetgen_facets = 0, tetgen_parts = 0;  // src/tetgen/tetgen.h
+  Index missing_facets = 0, tetgen_facets = 0, tetgen_parts = 0;  // src/cdt/tetgen.h
   Index boundary_points = 0;                                      // moved inside
   Index refined_edges = 0;
   double smallest_clearance = 0;
   double arrangement_seconds = 0, tet_mesh_seconds = 0, sheets_seconds = 0, boundary_seconds = 0;
 };
 
-// pairs: all intersecting pairs of faces; wound: src/surface/wound_edges.h.
+// pairs: all intersecting pairs of faces; wound: src/covering/wound_edges.h.
 // Errors: unsolved (with the place, and `exhausted` where no way of gluing is left), limit, interrupted.
 Result<ImmersionResult> immerse(const Surface& surface, const std::vector<std::pair<Index, Index>>& pairs,
                                 std::span<const WoundEdge> wound, const ImmersionOptions& options,

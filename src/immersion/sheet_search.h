@@ -13,7 +13,7 @@
 
 #include "overtet/run_context.h"
 #include "overtet/types.h"
-#include "src/immersion/fan.h"
+#include "src/immersion/edge_fan.h"
 #include "src/immersion/vertex_link.h"
 
 namespace overtet {

@@ -10,7 +10,7 @@
 #include <tuple>
 
 #include "kernels/parallel/grouping.h"
-#include "src/immersion/facets.h"
+#include "src/immersion/cells.h"
 #include "src/immersion/sheet_search.h"
 
 namespace overtet {

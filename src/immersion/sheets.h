@@ -9,7 +9,7 @@
 //   - every copy that is not cut by the surface closes after exactly one turn (no branch lines), and
 //   - the copy that starts at one face of a surface edge ends at the other face of that edge, after k
 //     full turns more than the dihedral angle seen in space: k = 0, except at wound edges, where
-//     hinges force k > 0 (see src/surface/wound_edges.h).
+//     hinges force k > 0 (see src/covering/wound_edges.h).
 // Gluings are constant on the regions between intersection curves, and relabelling the copies of a cell
 // changes nothing, so what remains is a small exact constraint problem, solved by
 // backtracking (sheet_search.h). No solution means: no solid with these wound edges exists.
@@ -24,9 +24,9 @@
 #include "overtet/result.h"
 #include "overtet/run_context.h"
 #include "overtet/types.h"
-#include "src/immersion/arrangement.h"
-#include "src/surface/wound_edges.h"
-#include "src/tetgen/tetgen.h"
+#include "src/arrangement/arrangement.h"
+#include "src/cdt/tetgen.h"
+#include "src/covering/wound_edges.h"
 
 namespace overtet {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "overtet/types.h"
-#include "src/immersion/fan.h"
+#include "src/immersion/edge_fan.h"
 
 namespace overtet {
 

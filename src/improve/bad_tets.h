@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "src/tet_complex/tet_complex.h"
+#include "src/mesh/tet_complex.h"
 
 namespace overtet {
 

@@ -7,12 +7,12 @@
 #include <numeric>
 
 #include "kernels/parallel/parallel.h"
-#include "src/improve/fewer_bad.h"
-#include "src/improve/lift.h"
 #include "src/improve/passes.h"
 #include "src/improve/refine.h"
-#include "src/tet_complex/local_operations.h"
-#include "src/tet_complex/parts.h"
+#include "src/improve/trade.h"
+#include "src/improve/worst_places.h"
+#include "src/mesh/local_operations.h"
+#include "src/mesh/partition.h"
 
 namespace overtet {
 

@@ -6,15 +6,15 @@
 // Mesh Improvement" (2008). Every change makes the worst of the tets that it replaces better, so the passes
 // never make a mesh worse.
 //
-// Guaranteed: see src/tet_complex/local_operations.h; in short, boundary vertices, edges and faces stay as
+// Guaranteed: see src/mesh/local_operations.h; in short, boundary vertices, edges and faces stay as
 // they are, every tet stays exactly positive, interior edges keep their one turn, also at each moment in
 // between: the mesh is valid whenever this stops.
 //
-// A large mesh is cut into parts (src/tet_complex/parts.h) that are worked on at the same time; then what is
+// A large mesh is cut into parts (src/mesh/partition.h) that are worked on at the same time; then what is
 // left around the cuts is, in fewer parts, and so on: first the refinement of all, then the passes. Last,
 // the worst tets that are left are looked at with all that is around them, piece by piece, by the dearest
-// means, and the very worst by changes that make something worse at first (lift.h). Where after all this too
-// many tets are bad, and fewer can be, some are given up for the others (fewer_bad.h): the one step that
+// means, and the very worst by changes that make something worse at first (worst_places.h). Where after all
+// this too many tets are bad, and fewer can be, some are given up for the others (trade.h): the one step that
 // makes tets worse, though none worse than a part of the angle that counts as good. How many parts depends on
 // the number of tets, not on that of threads: same mesh and options, same result. (Only a time limit can
 // break this.)
@@ -63,8 +63,8 @@ struct ImproveResult {
   End end = End::target_reached;  // of the part that ended worst
   DihedralStatistics before, after;
   std::int64_t refined = 0;  // vertices that refinement inserted
-  std::int64_t traded = 0;   // changes that made fewer tets bad (fewer_bad.h)
-  int lifted = 0;            // times that a place with one of the worst tets got better at last (lift.h)
+  std::int64_t traded = 0;   // changes that made fewer tets bad (trade.h)
+  int lifted = 0;  // times that a place with one of the worst tets got better at last (worst_places.h)
   std::vector<ImprovePass>
       passes;               // of all parts together: the n-th passes of a round of parts in one record
   std::vector<int> rounds;  // the number of parts in each round, of refinement, passes and looks

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "src/improve/improve.h"
-#include "src/tet_complex/local_operations.h"
+#include "src/mesh/local_operations.h"
 
 namespace overtet {
 

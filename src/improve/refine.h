@@ -7,7 +7,7 @@
 #include <span>
 
 #include "overtet/run_context.h"
-#include "src/tet_complex/local_operations.h"
+#include "src/mesh/local_operations.h"
 
 namespace overtet {
 

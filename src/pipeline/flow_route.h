@@ -13,9 +13,9 @@
 
 #include "overtet/run_context.h"
 #include "overtet/types.h"
+#include "src/certificates/diagnose.h"
 #include "src/pipeline/stage_files.h"
 #include "src/report/report.h"
-#include "src/surface/diagnose.h"
 
 namespace overtet {
 

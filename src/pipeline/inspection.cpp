@@ -7,7 +7,7 @@
 #include <map>
 
 #include "kernels/predicates/predicates.h"
-#include "src/surface/gluing.h"
+#include "src/covering/gluing.h"
 
 namespace overtet {
 

@@ -8,10 +8,10 @@
 
 #include "overtet/run_context.h"
 #include "overtet/types.h"
+#include "src/arrangement/curves.h"
+#include "src/certificates/diagnose.h"
 #include "src/pipeline/unit_box.h"
 #include "src/report/report.h"
-#include "src/surface/curves.h"
-#include "src/surface/diagnose.h"
 
 namespace overtet {
 
@@ -29,9 +29,9 @@ struct Inspection {
 // Errors: limit, interrupted. What is wrong with the surface is a finding, not an error.
 Result<Inspection> inspect(const Surface& surface, bool everything, const RunContext& context);
 
-// Whether the sheets of a solid can be glued at all along the curves (src/surface/gluing.h), where nothing else
-// forbids a mesh. If not, that is the inspection's verdict, problem and witness from now on.
-// Errors: limit, interrupted.
+// Whether the sheets of a solid can be glued at all along the curves (src/covering/gluing.h), where nothing
+// else forbids a mesh. If not, that is the inspection's verdict, problem and witness from now on. Errors:
+// limit, interrupted.
 Status look_for_conflict(const Surface& surface, Inspection& inspection, const RunContext& context);
 
 InputRecord input_record(const Inspection& inspection);

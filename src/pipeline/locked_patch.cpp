@@ -5,8 +5,8 @@
 #include <limits>
 #include <map>
 
-#include "src/surface/topology.h"
-#include "src/tet_complex/tet_complex.h"
+#include "src/mesh/tet_complex.h"
+#include "src/mesh/topology.h"
 
 namespace overtet {
 

@@ -15,16 +15,16 @@
 #include "kernels/parallel/parallel.h"
 #include "src/immersion/immersion.h"
 #include "src/improve/improve.h"
+#include "src/mesh/tet_complex.h"
+#include "src/pipeline/component_meshing.h"
 #include "src/pipeline/flow_route.h"
 #include "src/pipeline/inspection.h"
 #include "src/pipeline/locked_patch.h"
-#include "src/pipeline/parts.h"
-#include "src/pipeline/repairing.h"
+#include "src/pipeline/repair_route.h"
 #include "src/pipeline/stage_clock.h"
 #include "src/pipeline/stage_files.h"
 #include "src/pipeline/unit_box.h"
-#include "src/pipeline/watch.h"
-#include "src/tet_complex/tet_complex.h"
+#include "src/run/run_monitor.h"
 #include "src/verify/verify.h"
 
 namespace overtet {
@@ -586,7 +586,7 @@ PipelineResult run_pipeline(const Surface& surface, const PipelineOptions& optio
     fail(s.error());
     return result;
   }
-  RunWatch watch(outer);
+  RunMonitor watch(outer);
   try {
     const ScopedThreads threads(outer.threads);
     if (Status s = run_repairing(surface, options, watch.context(), result); !s.ok())

@@ -7,8 +7,9 @@
 // Where there is no mesh and repairing is asked for, the same with a repaired surface in the input's place.
 //
 // The immersion route needs no flow and is tried first; the flow route is the paper's (Sacht et al. 2013) and
-// is taken when the first one finds nothing (unless it has tried everything there is), or alone when asked for.
-// Whatever made the mesh, it is checked exactly against the surface as it was read before it is handed out.
+// is taken when the first one finds nothing (unless it has tried everything there is), or alone when asked
+// for. Whatever made the mesh, it is checked exactly against the surface as it was read before it is handed
+// out.
 //
 // Same surface, same options: same mesh, on any number of threads.
 #pragma once
@@ -28,9 +29,9 @@ struct PipelineOptions {
   Preset preset = Preset::standard;
   OnInfeasible on_infeasible = OnInfeasible::reject;
   double max_repair_move = 0.06;  // of a vertex, relative to the diagonal of the bounding box
-  double improve_degrees = 17;  // smallest dihedral angle that the quality pass aims at; 0: no pass
-  std::string save_stages;      // folder for the intermediate states; empty: none
-  std::string resume;           // folder to take them from; empty: none
+  double improve_degrees = 17;    // smallest dihedral angle that the quality pass aims at; 0: no pass
+  std::string save_stages;        // folder for the intermediate states; empty: none
+  std::string resume;             // folder to take them from; empty: none
 
   Status validate() const;
 };

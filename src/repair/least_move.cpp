@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "kernels/bvh/bvh.h"
-#include "src/surface/topology.h"
-#include "src/surface/winding.h"
+#include "src/exact/winding.h"
+#include "src/mesh/topology.h"
 
 namespace overtet {
 

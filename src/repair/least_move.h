@@ -11,7 +11,7 @@
 
 #include "overtet/run_context.h"
 #include "overtet/types.h"
-#include "src/surface/diagnose.h"
+#include "src/certificates/diagnose.h"
 
 namespace overtet {
 

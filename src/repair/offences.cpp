@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "src/surface/winding.h"
+#include "src/exact/winding.h"
 
 namespace overtet {
 

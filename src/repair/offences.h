@@ -6,8 +6,8 @@
 #include "overtet/result.h"
 #include "overtet/run_context.h"
 #include "overtet/types.h"
+#include "src/certificates/diagnose.h"
 #include "src/repair/smoothing.h"
-#include "src/surface/diagnose.h"
 
 namespace overtet {
 

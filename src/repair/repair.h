@@ -1,6 +1,6 @@
 // The repair stage: the smallest change of a surface that lets a positive tet mesh of it exist.
 //
-// What forbids a mesh is looked up exactly (src/surface/diagnose.h): places of negative winding number,
+// What forbids a mesh is looked up exactly (src/certificates/diagnose.h): places of negative winding number,
 // vertices with B0 < 0, hinges that no legal edges join, faces without area. Parts that are inside out
 // as a whole (a tube, a tip) are turned first; see turning.h. Then the vertices that still forbid a mesh, in
 // clusters that have nothing to do with each other, are smoothed a little: first these alone by part of the
@@ -24,7 +24,7 @@
 #include "overtet/result.h"
 #include "overtet/run_context.h"
 #include "overtet/types.h"
-#include "src/surface/diagnose.h"
+#include "src/certificates/diagnose.h"
 
 namespace overtet {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "overtet/types.h"
-#include "src/surface/topology.h"
+#include "src/mesh/topology.h"
 
 namespace overtet {
 

@@ -9,7 +9,7 @@
 
 #include "kernels/bvh/bvh.h"
 #include "kernels/sparse/cholesky.h"
-#include "src/surface/winding.h"
+#include "src/exact/winding.h"
 
 namespace overtet {
 

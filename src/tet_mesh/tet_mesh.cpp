@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "kernels/predicates/predicates.h"
-#include "src/tet_complex/local_operations.h"
-#include "src/tet_complex/tet_complex.h"
+#include "src/mesh/local_operations.h"
+#include "src/mesh/tet_complex.h"
 
 namespace overtet {
 

@@ -8,7 +8,7 @@
 #include "overtet/result.h"
 #include "overtet/run_context.h"
 #include "overtet/types.h"
-#include "src/tetgen/tetgen.h"
+#include "src/cdt/tetgen.h"
 
 namespace overtet {
 

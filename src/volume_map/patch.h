@@ -8,7 +8,7 @@
 
 #include "kernels/sparse/cholesky.h"
 #include "overtet/types.h"
-#include "src/tet_complex/tet_complex.h"
+#include "src/mesh/tet_complex.h"
 
 namespace overtet::volume_map_detail {
 

@@ -10,7 +10,7 @@
 #include "kernels/predicates/predicates.h"
 #include "kernels/tet_energy/tet_energy.h"
 #include "kernels/tet_energy/tet_quality.h"
-#include "src/tet_complex/local_operations.h"
+#include "src/mesh/local_operations.h"
 #include "src/volume_map/patch.h"
 
 namespace overtet {

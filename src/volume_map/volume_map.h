@@ -34,7 +34,7 @@
 #include "overtet/result.h"
 #include "overtet/run_context.h"
 #include "overtet/types.h"
-#include "src/surface/wound_edges.h"
+#include "src/covering/wound_edges.h"
 
 namespace overtet {
 

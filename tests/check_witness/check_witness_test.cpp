@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "src/surface/diagnose.h"
-#include "src/surface/gluing.h"
+#include "src/certificates/diagnose.h"
+#include "src/covering/gluing.h"
 #include "tests/support/files.h"
 #include "tests/support/models.h"
 #include "tests/support/noise.h"

@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <map>
 
-#include "tests/immersion/shapes.h"
+#include "tests/support/immersed/shapes.h"
 #include "tests/support/noise.h"
 #include "tests/support/stairs.h"
 

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "kernels/parallel/parallel.h"
-#include "tests/immersion/shapes.h"
+#include "tests/support/immersed/shapes.h"
 
 namespace overtet {
 namespace {

@@ -7,10 +7,10 @@
 #include <map>
 #include <random>
 
-#include "src/immersion/cover.h"
-#include "src/surface/gluing.h"
-#include "src/surface/winding.h"
-#include "tests/immersion/shapes.h"
+#include "src/covering/gluing.h"
+#include "src/exact/winding.h"
+#include "src/immersion/covering_complex.h"
+#include "tests/support/immersed/shapes.h"
 #include "tests/support/noise.h"
 
 namespace overtet {

@@ -8,10 +8,10 @@
 
 #include "kernels/bvh/self_intersections.h"
 #include "kernels/predicates/predicates.h"
-#include "src/tetgen/stubborn.cpp"  // its single attempts are not in the header
-#include "src/tetgen/tetgen.h"
+#include "src/cdt/facet_recovery.cpp"  // its single attempts are not in the header
+#include "src/cdt/tetgen.h"
+#include "tests/cdt/sound.h"
 #include "tests/support/models.h"
-#include "tests/tetgen/sound.h"
 
 namespace overtet {
 namespace {

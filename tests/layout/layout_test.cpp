@@ -64,7 +64,8 @@ std::map<std::string, Names> rooms_used() {
 
 const Names kStages = {"src/forward_flow", "src/reverse_flow", "src/tet_mesh", "src/volume_map",
                        "src/immersion",    "src/improve",      "src/repair",   "src/verify"};
-const Names kRoundTheStages = {"src/run", "src/io", "src/surface", "src/tetgen", "src/tet_complex"};
+const Names kRoundTheStages = {"src/run",         "src/io",       "src/exact",        "src/mesh",
+                               "src/arrangement", "src/covering", "src/certificates", "src/cdt"};
 
 TEST(Layout, SourcesWereFound) { EXPECT_GT(includes().size(), 200u); }
 
@@ -149,7 +150,7 @@ TEST(Layout, EachLibraryHasOneHome) {
       {std::regex("^(tbb|oneapi)/.*"), "kernels/parallel"},
       {std::regex("^(suitesparse/)?cholmod.*"), "kernels/sparse"},
       {std::regex("^embree.*"), "kernels/bvh"},
-      {std::regex("^tetgen\\.h$"), "src/tetgen"},
+      {std::regex("^tetgen\\.h$"), "src/cdt"},
       {std::regex("^CLI/.*"), "src/cli"}};
   for (const Include& i : includes())
     for (const auto& [library, home] : homes)

@@ -11,10 +11,10 @@
 
 #include "src/io/surface_io.h"
 #include "src/io/tet_io.h"
+#include "src/mesh/topology.h"
 #include "src/pipeline/inspection.h"
 #include "src/pipeline/locked_patch.h"
 #include "src/pipeline/stage_files.h"
-#include "src/surface/topology.h"
 #include "src/verify/verify.h"
 #include "tests/support/files.h"
 #include "tests/support/models.h"

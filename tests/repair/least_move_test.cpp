@@ -6,8 +6,8 @@
 #include <random>
 #include <string>
 
+#include "src/exact/winding.h"
 #include "src/pipeline/pipeline.h"
-#include "src/surface/winding.h"
 #include "tests/support/models.h"
 
 namespace overtet {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/certificates/diagnose.h"
 #include "src/repair/repair.h"
-#include "src/surface/diagnose.h"
 #include "tests/support/models.h"
 
 namespace overtet {

@@ -12,8 +12,8 @@
 
 #include "kernels/bvh/self_intersections.h"
 #include "kernels/parallel/parallel.h"
-#include "src/surface/wound_edges.h"
-#include "src/tet_complex/tet_complex.h"
+#include "src/covering/wound_edges.h"
+#include "src/mesh/tet_complex.h"
 #include "src/tet_mesh/tet_mesh.h"
 #include "src/volume_map/patch.h"
 #include "tests/support/tet_checks/tet_checks.h"

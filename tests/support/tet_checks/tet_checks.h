@@ -4,7 +4,7 @@
 #include <array>
 #include <set>
 
-#include "src/tet_complex/tet_complex.h"
+#include "src/mesh/tet_complex.h"
 
 namespace overtet::test {
 

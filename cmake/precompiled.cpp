@@ -1,0 +1,1 @@
+// Nothing: the target that this file belongs to holds the precompiled headers of all rooms.

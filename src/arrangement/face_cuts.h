@@ -1,0 +1,112 @@
+// Private to the .cpp files of this room: the faces of a surface, cut exactly along the curves in which they
+// cross.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <map>
+#include <numeric>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "kernels/bvh/self_intersections.h"
+#include "overtet/run_context.h"
+#include "overtet/types.h"
+#include "src/exact/exact.h"
+#include "src/mesh/topology.h"
+
+namespace overtet {
+
+// Not in general position; says where.
+struct Degenerate {
+  std::string what;
+};
+
+// Sets of numbers that grow together.
+class Sets {
+ public:
+  explicit Sets(std::size_t n) : up_(n) { std::iota(up_.begin(), up_.end(), 0); }
+  Index root(Index x) const {
+    while (up_[x] != x) x = up_[x] = up_[up_[x]];
+    return x;
+  }
+  void join(Index x, Index y) { up_[root(x)] = root(y); }
+
+ private:
+  mutable std::vector<Index> up_;
+};
+
+// Nodes: the vertices, then points where an edge pierces a face, then triple points.
+class FaceCuts {
+ public:
+  struct Half {  // a piece of a part's border, the part to its left
+    Index from, to;
+    Index part = -1, next = -1;
+  };
+  struct Piece {  // of a curve; along n_f x n_g, f < g
+    Index f, g, from, to;
+  };
+
+  FaceCuts(const Surface& surface, const SurfaceTopology& topology)
+      : surface_(surface), topology_(topology) {}
+
+  std::vector<Half> halves;         // by face
+  std::vector<Index> half_begin;    // #F + 1; within a face sorted by (from, to)
+  std::vector<Index> face_of_part;  // parts of a face follow each other
+  std::vector<int> holes;           // per part
+  std::vector<Piece> pieces;
+
+  // Throws Degenerate; ends early when the context says so.
+  void run(const std::vector<FacePair>& pairs, const RunContext& context);
+
+  // The half-edge of f from node x to node y.
+  Index half(Index f, Index x, Index y) const;
+
+  // The nodes on an input edge, from the source of the half-edge on.
+  std::vector<Index> edge_chain(Index h) const;
+
+  exact::Vec place(Index node) const;
+
+ private:
+  const double* point(Index v) const;
+  const double* corner(Index f, int k) const;
+  exact::Vec normal(Index f) const;
+  int side(Index f, const double* p) const;  // 1 in front of the face
+  static std::string name(Index f, Index g);
+  Index add(const std::array<Index, 4>& key, const std::function<exact::Vec()>& where);
+
+  static bool in_triangle(const exact::Vec& n, const std::array<exact::Vec, 3>& p, const exact::Vec& x);
+
+  // Whether the segment from a to b has a point in common with face f; one of them lies in its plane.
+  bool touches(Index a, Index b, Index f, int ha, int hb) const;
+
+  // Whether edge a-b passes through face f, which has neither of its ends.
+  bool pierces(Index a, Index b, Index f) const;
+
+  void meet(Index f, Index g);
+
+  int shared(Index f, Index g) const;
+
+  void find_triples(Index f, const std::vector<Index>& list);
+
+  void triple(Index f, Index g, Index h);
+
+  std::vector<Index> chain(std::vector<Index> nodes, const exact::Vec& along) const;
+
+  void cut(Index f);
+
+  // The first `border` pieces run along the face's border, as it turns.
+  void divide(Index f, const std::vector<std::pair<Index, Index>>& found, std::size_t border);
+
+  const Surface& surface_;
+  const SurfaceTopology& topology_;
+  std::map<std::array<Index, 4>, Index> number_;  // of added nodes
+  std::vector<exact::Vec> added_;
+  std::map<FacePair, std::array<Index, 2>> segments_;
+  std::map<Index, std::vector<Index>> partners_;
+  std::map<std::pair<Index, Index>, std::vector<Index>> on_edge_;
+  std::map<FacePair, std::vector<Index>> triples_;
+};
+
+}  // namespace overtet

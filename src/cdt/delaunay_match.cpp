@@ -1,0 +1,193 @@
+#include "src/cdt/delaunay_match.h"
+
+#include <algorithm>
+#include <string>
+
+#include "kernels/delaunay/cavity.h"
+#include "kernels/parallel/grouping.h"
+#include "kernels/parallel/parallel.h"
+
+namespace overtet {
+
+namespace {
+
+constexpr std::int64_t kGrain = 1 << 13;
+
+}  // namespace
+
+Triple sorted(Triple t) {
+  std::sort(t.begin(), t.end());
+  return t;
+}
+
+bool same_turn(const Triple& a, const Triple& b) {
+  const int at = b[0] == a[0] ? 0 : b[1] == a[0] ? 1 : 2;
+  return b[(at + 1) % 3] == a[1];
+}
+
+Triple face_of(const Tet& t, int k) { return {t[kTetFace[k][0]], t[kTetFace[k][1]], t[kTetFace[k][2]]}; }
+
+TriangleTable::TriangleTable(Index vertices, const std::vector<Triple>& triangles) : triangles_(triangles) {
+  group_items(vertices, start_, items_, [&](auto&& visit) {
+    for (Index f = 0; f < static_cast<Index>(triangles.size()); ++f)
+      visit(std::min({triangles[f][0], triangles[f][1], triangles[f][2]}), f);
+  });
+}
+
+Index TriangleTable::find(const Triple& f) const {
+  const Index least = std::min({f[0], f[1], f[2]});
+  const std::int64_t sum = std::int64_t{f[0]} + f[1] + f[2];
+  for (Index i = start_[least]; i < start_[least + 1]; ++i) {
+    const Triple& t = triangles_[items_[i]];
+    if (std::int64_t{t[0]} + t[1] + t[2] == sum &&
+        std::max({t[0], t[1], t[2]}) == std::max({f[0], f[1], f[2]}))
+      return items_[i];
+  }
+  return -1;
+}
+
+std::optional<Error> DelaunayMatch::run(const RunContext& context, DelaunayBuilder begun) {
+  const Index n = static_cast<Index>(plc.V.rows()), first = begun.points();
+  if (auto error = context.no_room_for(static_cast<std::size_t>(n - first) * kDelaunayBytesPerPoint))
+    return error;
+  begun.insert(plc.V.data() + 3 * static_cast<std::ptrdiff_t>(first), n - first,
+               [&] { return context.stop().has_value(); });
+  if (auto stop = context.stop()) return stop;
+  TetArrays all = begun.tets();
+  begun = {};
+  if (all.tet.empty()) return Error{ErrorCode::unsolved, "All points lie in a plane."};
+  tet = std::move(all.tet);
+  next = std::move(all.next);
+  facets.resize(plc.F.rows());
+  for (std::size_t f = 0; f < facets.size(); ++f) facets[f] = {plc.F(f, 0), plc.F(f, 1), plc.F(f, 2)};
+  replaced.assign(tet.size(), 0);
+  facet_on.resize(tet.size());
+  std::vector<char> found(2 * facets.size(), 0);  // by facet and side
+  const TriangleTable table(n, facets);
+  parallel_for(static_cast<std::int64_t>(tet.size()), kGrain, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t t = begin; t < end; ++t)
+      for (int k = 0; k < 4; ++k) {
+        const Triple face = face_of(tet[t], k);
+        const Index f = facet_on[t][k] = table.find(face);
+        // One tet on either side: nobody else writes here.
+        if (f >= 0) found[2 * static_cast<std::size_t>(f) + same_turn(facets[f], face)] = 1;
+      }
+  });
+  for (std::size_t f = 0; f < facets.size(); ++f)
+    if (!found[2 * f] && !found[2 * f + 1]) missing.push_back(static_cast<Index>(f));
+  return std::nullopt;
+}
+
+// Those that have a point of the facet's inside are connected by faces, and some of them are at its corners.
+void DelaunayMatch::find_crossed_tets() {
+  std::vector<Index> tet_at(plc.V.rows(), -1);
+  for (Index t = 0; t < static_cast<Index>(tet.size()); ++t)
+    for (int k = 0; !replaced[t] && k < 4; ++k) tet_at[tet[t][k]] = t;
+  crossed = parallel_collect<std::pair<Index, Index>>(
+      static_cast<std::int64_t>(missing.size()), 256,
+      [&](std::int64_t begin, std::int64_t end, std::vector<std::pair<Index, Index>>& out) {
+        std::vector<Index> star, seen;
+        for (std::int64_t i = begin; i < end; ++i) {
+          const Index f = missing[i];
+          seen.clear();
+          const Index v = facets[f][0];
+          star.assign(1, tet_at[v]);
+          for (std::size_t head = 0; head < star.size(); ++head)
+            for (int k = 0; k < 4; ++k) {
+              const Index other = next[star[head]][k];
+              if (other < 0 || tet[star[head]][k] == v) continue;
+              if (std::find(star.begin(), star.end(), other) == star.end()) star.push_back(other);
+            }
+          for (const Index t : star)
+            if (!apart(plc.V.data(), tet[t], facets[f])) seen.push_back(t);
+          for (std::size_t head = 0; head < seen.size(); ++head)
+            for (const Index other : next[seen[head]])
+              if (other >= 0 && std::find(seen.begin(), seen.end(), other) == seen.end() &&
+                  !apart(plc.V.data(), tet[other], facets[f]))
+                seen.push_back(other);
+          for (const Index t : seen) out.emplace_back(t, f);
+        }
+      });
+}
+
+Result<TetgenResult> without_outside(const Plc& plc, const Filling& filling,
+                                     const std::vector<char>& replaced) {
+  const auto& [tet, next, facet_on, facets, source, added] = filling;
+  const std::int64_t n = static_cast<std::int64_t>(tet.size());
+  const Index count = static_cast<Index>(facets.size());
+  std::vector<char> gone(n, 0);
+  std::vector<Index> stack;
+  for (std::int64_t t = 0; t < n; ++t) {
+    if (replaced[t]) {
+      gone[t] = 1;
+      continue;
+    }
+    for (int k = 0; k < 4; ++k)
+      if (next[t][k] < 0 && facet_on[t][k] < 0 && !gone[t]) {
+        gone[t] = 1;
+        stack.push_back(static_cast<Index>(t));
+      }
+  }
+  while (!stack.empty()) {
+    const Index t = stack.back();
+    stack.pop_back();
+    for (int k = 0; k < 4; ++k)
+      if (const Index other = next[t][k]; other >= 0 && facet_on[t][k] < 0 && !gone[other]) {
+        gone[other] = 1;
+        stack.push_back(other);
+      }
+  }
+  std::vector<Index> number(n, -1);
+  Index kept = 0;
+  for (std::int64_t t = 0; t < n; ++t)
+    if (!gone[t]) number[t] = kept++;
+  if (kept == 0) return Error{ErrorCode::unsolved, "There is no volume inside the facets; are they closed?"};
+
+  TetgenResult out;
+  const Eigen::Index given = plc.V.rows();
+  out.T.resize(kept, 4);
+  out.neighbours.resize(kept, 4);
+  out.facet_on.resize(kept);
+  parallel_for(n, kGrain, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t t = begin; t < end; ++t) {
+      if (number[t] < 0) continue;
+      out.facet_on[number[t]] = facet_on[t];
+      for (int k = 0; k < 4; ++k) {
+        out.T(number[t], k) = tet[t][k];
+        out.neighbours(number[t], k) = next[t][k] < 0 ? -1 : number[next[t][k]];
+      }
+    }
+  });
+  // Points that TetGen has added outside are not needed.
+  std::vector<Index> place(given + added.size(), -1);
+  for (Index t = 0; t < kept; ++t)
+    for (int k = 0; k < 4; ++k) place[out.T(t, k)] = 0;
+  for (Eigen::Index v = 0; v < given; ++v) {
+    if (place[v] < 0)
+      return Error{ErrorCode::unsolved, "Vertex " + std::to_string(v) + " lies outside the facets."};
+    place[v] = static_cast<Index>(v);
+  }
+  out.V.resize(static_cast<Eigen::Index>(place.size()), 3);
+  out.V.topRows(given) = plc.V;
+  Index last = static_cast<Index>(given);
+  for (std::size_t v = given; v < place.size(); ++v)
+    if (place[v] == 0) {
+      place[v] = last;
+      out.V.row(last++) = added[v - given];
+    }
+  if (last < static_cast<Index>(place.size())) {
+    out.V.conservativeResize(last, 3);
+    for (Index t = 0; t < kept; ++t)
+      for (int k = 0; k < 4; ++k) out.T(t, k) = place[out.T(t, k)];
+  }
+  out.facets.resize(count, 3);
+  out.facet_sources = source;
+  out.facet_markers.resize(count);
+  for (Index f = 0; f < count; ++f) {
+    out.facets.row(f) << place[facets[f][0]], place[facets[f][1]], place[facets[f][2]];
+    out.facet_markers[f] = plc.markers.empty() ? 1 : plc.markers[source[f]];
+  }
+  return out;
+}
+
+}  // namespace overtet

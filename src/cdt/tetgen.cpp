@@ -1,0 +1,402 @@
+#include "src/cdt/tetgen.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+#include <string>
+
+#include "src/cdt/tetgen_wire.h"
+
+extern char** environ;
+
+namespace overtet {
+
+namespace {
+
+using tetgen_wire::Outcome;
+using tetgen_wire::Reply;
+using tetgen_wire::Request;
+
+// How long one wait for the child may take before cancellation and deadline are looked at again.
+constexpr int kPollMilliseconds = 20;
+
+// At needles, refinement for quality can go on for ever; natural inputs need about one added point a vertex.
+constexpr std::int64_t kMostPointsPerVertex = 4;
+
+// In some orders of points TetGen's flips never end; in another one, or in halves, they do. It usually calls
+// some hundred predicates a facet, and up to 9000 among needles: 5 million are a second.
+constexpr double kMostPredicates = 3e7, kMostPredicatesPerFacet = 3e4;
+
+double most_predicates(Eigen::Index facets) {
+  return kMostPredicates + kMostPredicatesPerFacet * static_cast<double>(facets);
+}
+
+// Beside the running program, in the libexec folder of an installation, or where it was built.
+std::string child_program() {
+  std::string self(4096, '\0');
+  const ssize_t n = readlink("/proc/self/exe", self.data(), self.size());
+  if (n > 0) {
+    self.resize(static_cast<std::size_t>(n));
+    const std::string folder = self.substr(0, self.rfind('/'));
+    for (const std::string& path :
+         {folder + "/overtet-tetgen", folder + "/../libexec/overtet/overtet-tetgen"})
+      if (access(path.c_str(), X_OK) == 0) return path;
+  }
+#ifdef OVERTET_TETGEN_BUILT_AT
+  if (access(OVERTET_TETGEN_BUILT_AT, X_OK) == 0) return OVERTET_TETGEN_BUILT_AT;
+#endif
+  return {};
+}
+
+// The child and its socket; killed and reaped when this goes out of scope, whatever happened.
+class Child {
+ public:
+  ~Child() {
+    if (socket_ >= 0) close(socket_);
+    if (pid_ > 0) {
+      kill(pid_, SIGKILL);
+      reap();
+    }
+  }
+
+  Status start(const RunContext& context) {
+    const std::string program = child_program();
+    if (program.empty())
+      return Error{ErrorCode::internal,
+                   "The program overtet-tetgen was not found beside this program; reinstall Overtet."};
+    int ends[2];
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) return system_error("socketpair");
+    socket_ = ends[0];
+
+    // Half the margin between what is in use and the limit would be too timid: the child gets all of it.
+    unsigned long long memory = 0;
+    if (context.memory_limit_bytes > 0) {
+      rusage mine{};
+      getrusage(RUSAGE_SELF, &mine);
+      const unsigned long long used = static_cast<unsigned long long>(mine.ru_maxrss) * 1024;
+      memory = context.memory_limit_bytes > used ? context.memory_limit_bytes - used : 1;
+      memory = std::max<unsigned long long>(memory, 16ull << 20);
+    }
+    std::string pid = std::to_string(getpid()), mem = std::to_string(memory);
+    std::string name = "overtet-tetgen";
+    char* argv[] = {name.data(), pid.data(), mem.data(), nullptr};
+
+    posix_spawn_file_actions_t actions;
+    posix_spawnattr_t attributes;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawnattr_init(&attributes);
+    posix_spawn_file_actions_adddup2(&actions, ends[1], 0);
+    posix_spawn_file_actions_adddup2(&actions, ends[1], 1);
+    posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", O_WRONLY, 0);
+    // A group of its own: Ctrl-C reaches the parent, and the parent decides.
+    sigset_t none, all;
+    sigemptyset(&none);
+    sigfillset(&all);
+    posix_spawnattr_setsigmask(&attributes, &none);
+    posix_spawnattr_setsigdefault(&attributes, &all);
+    posix_spawnattr_setpgroup(&attributes, 0);
+    posix_spawnattr_setflags(&attributes,
+                             POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
+    pid_t pid_of_child = -1;
+    const int failed = posix_spawn(&pid_of_child, program.c_str(), &actions, &attributes, argv, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    posix_spawnattr_destroy(&attributes);
+    close(ends[1]);
+    if (failed != 0) {
+      errno = failed;
+      return system_error("posix_spawn");
+    }
+    pid_ = pid_of_child;
+    return success();
+  }
+
+  // false: the child is gone. An error: the run must stop.
+  Result<bool> send(const void* data, std::size_t bytes, const RunContext& context) {
+    const char* at = static_cast<const char*>(data);
+    while (bytes > 0) {
+      if (auto error = context.stop()) return *error;
+      pollfd p{socket_, POLLOUT, 0};
+      if (poll(&p, 1, kPollMilliseconds) <= 0) continue;
+      const ssize_t put =
+          ::send(socket_, at, std::min<std::size_t>(bytes, 1 << 20), MSG_NOSIGNAL | MSG_DONTWAIT);
+      if (put < 0 && (errno == EAGAIN || errno == EINTR)) continue;
+      if (put <= 0) return false;
+      at += put;
+      bytes -= static_cast<std::size_t>(put);
+    }
+    return true;
+  }
+
+  Result<bool> receive(void* data, std::size_t bytes, const RunContext& context) {
+    char* at = static_cast<char*>(data);
+    while (bytes > 0) {
+      if (auto error = context.stop()) return *error;
+      pollfd p{socket_, POLLIN, 0};
+      if (poll(&p, 1, kPollMilliseconds) <= 0) continue;
+      const ssize_t got = recv(socket_, at, std::min<std::size_t>(bytes, 1 << 20), MSG_DONTWAIT);
+      if (got < 0 && (errno == EAGAIN || errno == EINTR)) continue;
+      if (got <= 0) return false;
+      at += got;
+      bytes -= static_cast<std::size_t>(got);
+    }
+    return true;
+  }
+
+  // Waits for a child that has closed its end, and says how it ended.
+  int reap() {
+    int status = 0;
+    while (wait4(pid_, &status, 0, &usage_) < 0 && errno == EINTR) {
+    }
+    pid_ = -1;
+    return status;
+  }
+
+  const rusage& usage() const { return usage_; }
+
+ private:
+  static Error system_error(const char* call) {
+    return Error{ErrorCode::internal,
+                 std::string("Could not start overtet-tetgen (") + call + ": " + std::strerror(errno) + ")."};
+  }
+
+  int socket_ = -1;
+  pid_t pid_ = -1;
+  rusage usage_{};
+};
+
+Error unsolved(std::string message) { return Error{ErrorCode::unsolved, std::move(message)}; }
+
+// Why the child left without an answer.
+Error explain_end(int status, const RunContext& context) {
+  if (auto error = context.stop()) return *error;
+  if (WIFSIGNALED(status)) {
+    const int signal = WTERMSIG(status);
+    if (context.memory_limit_bytes > 0 && signal == SIGKILL)
+      return Error{ErrorCode::limit, "TetGen was killed, most likely for lack of memory."};
+    const char* name = signal == SIGSEGV   ? "a segmentation fault"
+                       : signal == SIGABRT ? "an abort"
+                       : signal == SIGFPE  ? "an arithmetic fault"
+                                           : strsignal(signal);
+    return unsolved(std::string("TetGen ended with ") + name +
+                    " on these facets; they may touch or cross each other.");
+  }
+  return unsolved("TetGen ended without an answer.");
+}
+
+std::string vertex_list(const std::vector<Index>& ids) {
+  std::string text;
+  for (std::size_t i = 0; i < ids.size() && i < 5; ++i) text += (i ? ", " : "") + std::to_string(ids[i]);
+  return ids.size() > 5 ? text + ", ..." : text;
+}
+
+Status check_input(const Plc& plc) {
+  const Eigen::Index n = plc.V.rows();
+  if (n < 4 || plc.F.rows() < 4)
+    return Error{ErrorCode::bad_input, "Fewer than 4 vertices or facets bound no volume."};
+  if (!plc.V.allFinite() || !plc.holes.allFinite())
+    return Error{ErrorCode::bad_input, "A coordinate is not finite."};
+  if (!plc.markers.empty() && plc.markers.size() != static_cast<std::size_t>(plc.F.rows()))
+    return Error{ErrorCode::usage, "One marker per facet is needed, or none."};
+  for (Eigen::Index f = 0; f < plc.F.rows(); ++f) {
+    const auto c = plc.F.row(f);
+    for (int k = 0; k < 3; ++k)
+      if (c[k] < 0 || c[k] >= n)
+        return Error{ErrorCode::bad_input, "Facet " + std::to_string(f) + " has a vertex out of range."};
+    if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0])
+      return Error{ErrorCode::bad_input, "Facet " + std::to_string(f) + " has the same vertex twice."};
+  }
+  std::vector<Index> order(n);
+  std::iota(order.begin(), order.end(), 0);
+  const auto less = [&](Index a, Index b) {
+    for (int k = 0; k < 3; ++k)
+      if (plc.V(a, k) != plc.V(b, k)) return plc.V(a, k) < plc.V(b, k);
+    return false;
+  };
+  std::sort(order.begin(), order.end(), less);
+  for (Eigen::Index i = 0; i + 1 < n; ++i)
+    if (!less(order[i], order[i + 1]))
+      return Error{ErrorCode::bad_input, "Vertices " + std::to_string(std::min(order[i], order[i + 1])) +
+                                             " and " + std::to_string(std::max(order[i], order[i + 1])) +
+                                             " have the same coordinates."};
+  return success();
+}
+
+std::array<Index, 3> sorted(const TriangleMatrix& F, Eigen::Index f) {
+  std::array<Index, 3> key{F(f, 0), F(f, 1), F(f, 2)};
+  std::sort(key.begin(), key.end());
+  return key;
+}
+
+// Drops TetGen's own points that no tet uses; says which input vertices none uses.
+std::vector<Index> compact(TetgenResult& result, Eigen::Index input_vertices) {
+  const Eigen::Index n = result.V.rows();
+  std::vector<char> used(n, 0);
+  for (Eigen::Index t = 0; t < result.T.rows(); ++t)
+    for (int k = 0; k < 4; ++k) used[result.T(t, k)] = 1;
+  std::vector<Index> lost;
+  for (Eigen::Index v = 0; v < input_vertices; ++v)
+    if (!used[v]) lost.push_back(static_cast<Index>(v));
+  std::vector<Index> number(n, -1);
+  Index next = 0;
+  for (Eigen::Index v = 0; v < n; ++v)
+    if (v < input_vertices || used[v]) {
+      number[v] = next;
+      result.V.row(next) = result.V.row(v).eval();
+      ++next;
+    }
+  if (next == n) return lost;
+  result.V.conservativeResize(next, 3);
+  for (Eigen::Index t = 0; t < result.T.rows(); ++t)
+    for (int k = 0; k < 4; ++k) result.T(t, k) = number[result.T(t, k)];
+  for (Eigen::Index f = 0; f < result.facets.rows(); ++f)
+    for (int k = 0; k < 3; ++k) result.facets(f, k) = number[result.facets(f, k)];
+  return lost;
+}
+
+}  // namespace
+
+Status TetgenOptions::validate() const {
+  if (quality && !(radius_edge >= 1.1 && radius_edge <= 100))
+    return Error{ErrorCode::usage, "The radius-edge bound must lie between 1.1 and 100."};
+  if (!(tolerance >= 0 && tolerance <= 1e-3))
+    return Error{ErrorCode::usage, "TetGen's tolerance must lie between 0 and 1e-3."};
+  if (largest_star < 0) return Error{ErrorCode::usage, "The largest star must not be negative."};
+  if (!(patience > 0)) return Error{ErrorCode::usage, "The patience with TetGen must be positive."};
+  return success();
+}
+
+Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options, const RunContext& context) {
+  if (auto status = options.validate(); !status.ok()) return status.error();
+  if (auto status = check_input(plc); !status.ok()) return status.error();
+  if (auto error = context.stop()) return *error;
+  const auto begin = RunContext::Clock::now();
+
+  // The largest coordinate becomes about 1; a power of two changes no bit of any mantissa.
+  int exponent = 0;
+  std::frexp(plc.V.cwiseAbs().maxCoeff(), &exponent);
+  const auto scaled = [](const VertexMatrix& V, int by) {
+    return VertexMatrix(V.unaryExpr([by](double x) { return std::ldexp(x, by); }));
+  };
+  const VertexMatrix V = scaled(plc.V, -exponent);
+  if (scaled(V, exponent) != plc.V)
+    return Error{ErrorCode::bad_input,
+                 "Some coordinates are too small beside the others to be scaled exactly."};
+  const VertexMatrix holes = scaled(plc.holes, -exponent);
+
+  Child child;
+  if (auto status = child.start(context); !status.ok()) return status.error();
+
+  Request request;
+  request.quality = options.quality;
+  request.keep_facets = options.keep_facets;
+  request.fill_convex_hull = options.fill_convex_hull;
+  request.vertices = V.rows();
+  request.facets = plc.F.rows();
+  request.holes = holes.rows();
+  request.radius_edge = options.radius_edge;
+  request.tolerance = options.tolerance;
+  request.largest_star = options.largest_star;
+  request.most_predicates = static_cast<std::int64_t>(options.patience * most_predicates(plc.F.rows()));
+  if (options.quality) request.most_points = kMostPointsPerVertex * plc.V.rows() + 10000;
+
+  Reply reply;
+  reply.magic = 0;
+  TetgenResult result;
+  const auto talk = [&]() -> Result<bool> {
+    const auto send = [&](const void* data, std::size_t bytes) { return child.send(data, bytes, context); };
+    const auto receive = [&](void* data, std::size_t bytes) { return child.receive(data, bytes, context); };
+    for (const auto& [data, bytes] : {std::pair<const void*, std::size_t>{&request, sizeof request},
+                                      {V.data(), sizeof(double) * V.size()},
+                                      {plc.F.data(), sizeof(Index) * plc.F.size()},
+                                      {holes.data(), sizeof(double) * holes.size()}})
+      if (auto sent = send(data, bytes); !sent.ok() || !sent.value()) return sent;
+    if (auto got = receive(&reply, sizeof reply); !got.ok() || !got.value()) return got;
+    if (reply.magic != tetgen_wire::kMagic || reply.outcome != Outcome::done) return true;
+    if (reply.vertices < 0 || reply.tets < 0 || reply.facets < 0) return false;
+    const std::size_t bytes = 24 * static_cast<std::size_t>(reply.vertices) +
+                              32 * static_cast<std::size_t>(reply.tets) +
+                              20 * static_cast<std::size_t>(reply.facets);
+    if (auto error = context.no_room_for(bytes)) return *error;
+    result.V.resize(reply.vertices, 3);
+    result.T.resize(reply.tets, 4);
+    result.neighbours.resize(reply.tets, 4);
+    result.facets.resize(reply.facets, 3);
+    result.facet_sources.resize(static_cast<std::size_t>(reply.facets));
+    for (const auto& [data, size] :
+         {std::pair<void*, std::size_t>{result.V.data(), sizeof(double) * result.V.size()},
+          {result.T.data(), sizeof(Index) * result.T.size()},
+          {result.neighbours.data(), sizeof(Index) * result.neighbours.size()},
+          {result.facets.data(), sizeof(Index) * result.facets.size()},
+          {result.facet_sources.data(), sizeof(Index) * result.facet_sources.size()}})
+      if (auto got = receive(data, size); !got.ok() || !got.value()) return got;
+    return true;
+  }();
+  if (!talk.ok()) return talk.error();
+  // The child's end of the socket is closed or all is said: it is leaving.
+  const int status = child.reap();
+  if (!talk.value() || reply.magic != tetgen_wire::kMagic) return explain_end(status, context);
+
+  switch (reply.outcome) {
+    case Outcome::done:
+      break;
+    case Outcome::out_of_memory:
+      return Error{ErrorCode::limit, "TetGen ran out of memory; allow more with --memory-limit."};
+    case Outcome::not_positive:
+      return unsolved("TetGen made " + std::to_string(reply.count) + " tets without volume.");
+    case Outcome::gave_up:
+      return unsolved(reply.tetgen_code == 3 ? "TetGen found facets that cross each other."
+                      : reply.tetgen_code == 4
+                          ? "TetGen found features below its tolerance."
+                          : "TetGen gave up (its code " + std::to_string(reply.tetgen_code) + ").");
+    case Outcome::endless:
+      return unsolved(kEndless);
+    case Outcome::protocol:
+      return Error{ErrorCode::internal, "overtet-tetgen did not understand its input."};
+  }
+  if (result.T.rows() == 0) return unsolved("TetGen found no volume inside the facets; are they closed?");
+
+  if (result.V.rows() < plc.V.rows()) return unsolved("TetGen lost input vertices.");
+  result.V = scaled(result.V, exponent);
+  for (Eigen::Index v = 0; v < plc.V.rows(); ++v)
+    if (std::memcmp(result.V.data() + 3 * v, plc.V.data() + 3 * v, 3 * sizeof(double)) != 0)
+      return unsolved("TetGen moved or renumbered vertex " + std::to_string(v) + ".");
+  if (const auto lost = compact(result, plc.V.rows()); !lost.empty() && !options.accept_unused)
+    return unsolved("TetGen left out " + std::to_string(lost.size()) + " input vertices (" +
+                    vertex_list(lost) + ").");
+
+  result.facet_markers.resize(result.facet_sources.size());
+  for (std::size_t f = 0; f < result.facet_sources.size(); ++f) {
+    const Index source = result.facet_sources[f];
+    if (source < 0 || source >= plc.F.rows()) return unsolved("TetGen lost track of a facet.");
+    result.facet_markers[f] = plc.markers.empty() ? 1 : plc.markers[source];
+  }
+  if (options.keep_facets && !options.accept_split) {
+    std::vector<char> seen(plc.F.rows(), 0);
+    bool same = result.facets.rows() == plc.F.rows();
+    for (Eigen::Index f = 0; same && f < result.facets.rows(); ++f) {
+      const Index source = result.facet_sources[f];
+      same = !seen[source] && sorted(result.facets, f) == sorted(plc.F, source);
+      seen[source] = 1;
+    }
+    if (!same) return unsolved("TetGen could not keep every facet whole.");
+  }
+  result.predicates = reply.predicates;
+  result.tetgen_facets = static_cast<Index>(plc.F.rows());
+  result.seconds = std::chrono::duration<double>(RunContext::Clock::now() - begin).count();
+  result.peak_rss_bytes = static_cast<std::size_t>(child.usage().ru_maxrss) * 1024;
+  return result;
+}
+
+}  // namespace overtet

@@ -1,0 +1,339 @@
+#include "src/immersion/cells.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <map>
+#include <string>
+#include <tuple>
+
+#include "kernels/parallel/grouping.h"
+#include "kernels/parallel/parallel.h"
+
+namespace overtet {
+
+namespace {
+
+using Triple = std::array<Index, 3>;
+
+// The face opposite to corner k of a positive tet, oriented outward.
+constexpr int kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+
+constexpr std::int64_t kTetGrain = 1 << 14;
+
+Triple sorted(Triple t) {
+  std::sort(t.begin(), t.end());
+  return t;
+}
+
+// Finds triangles by their three vertices; open addressing, insertion order does not matter.
+class TriangleTable {
+ public:
+  explicit TriangleTable(std::size_t n) {
+    std::size_t size = 16;
+    while (size < 2 * n + 2) size *= 2;
+    slot_.assign(size, -1);
+  }
+  void insert(const Triple& key, Index value) {
+    std::size_t at = hash(key);
+    while (slot_[at] >= 0) at = (at + 1) & (slot_.size() - 1);
+    slot_[at] = static_cast<Index>(keys_.size());
+    keys_.push_back(key);
+    values_.push_back(value);
+  }
+  Index find(const Triple& key) const {
+    for (std::size_t at = hash(key); slot_[at] >= 0; at = (at + 1) & (slot_.size() - 1))
+      if (same(keys_[slot_[at]], key)) return values_[slot_[at]];
+    return -1;
+  }
+
+ private:
+  // The array's own operator calls memcmp.
+  static bool same(const Triple& a, const Triple& b) { return a[0] == b[0] && a[1] == b[1] && a[2] == b[2]; }
+  std::size_t hash(const Triple& k) const {
+    std::uint64_t h = static_cast<std::uint64_t>(k[0]) * 0x9e3779b97f4a7c15ull;
+    h = (h ^ (h >> 29) ^ static_cast<std::uint64_t>(k[1])) * 0xbf58476d1ce4e5b9ull;
+    h = (h ^ (h >> 32) ^ static_cast<std::uint64_t>(k[2])) * 0x94d049bb133111ebull;
+    return (h ^ (h >> 31)) & (slot_.size() - 1);
+  }
+  std::vector<Index> slot_;
+  std::vector<Triple> keys_;
+  std::vector<Index> values_;
+};
+
+class CellFinder {
+ public:
+  CellFinder(const Arrangement& arrangement, const TetgenResult& tets, Sheets& out)
+      : arrangement_(arrangement), tets_(tets), out_(out) {}
+
+  Result<std::vector<Triple>> run() {
+    find_facets();
+    number_cells();
+    if (auto error = find_windings()) return *error;
+    cut_handles();
+    return std::move(corners_);
+  }
+
+ private:
+  void find_facets() {
+    const Index n = static_cast<Index>(tets_.T.rows());
+    const Index m = static_cast<Index>(tets_.facets.rows());
+    std::vector<Index> facet_of(m, -1);
+    out_.facet_on.assign(n, {-1, -1, -1, -1});
+    corners_.clear();
+    const auto face = [&](Index t, int k) {
+      return Triple{tets_.T(t, kFace[k][0]), tets_.T(t, kFace[k][1]), tets_.T(t, kFace[k][2])};
+    };
+    std::vector<std::array<Index, 4>> searched;
+    if (tets_.facet_on.empty()) {
+      TriangleTable table(m);
+      std::vector<char> marked(tets_.V.rows(), 0);
+      for (Index i = 0; i < m; ++i) {
+        const Triple t{tets_.facets(i, 0), tets_.facets(i, 1), tets_.facets(i, 2)};
+        for (const Index v : t) marked[v] = 1;
+        table.insert(sorted(t), i);
+      }
+      searched.resize(n);
+      parallel_for(n, kTetGrain, [&](std::int64_t begin, std::int64_t end) {
+        for (Index t = static_cast<Index>(begin); t < end; ++t)
+          for (int k = 0; k < 4; ++k) {
+            const Triple f = face(t, k);
+            searched[t][k] = marked[f[0]] && marked[f[1]] && marked[f[2]] ? table.find(sorted(f)) : -1;
+          }
+      });
+    }
+    const std::vector<std::array<Index, 4>>& found = searched.empty() ? tets_.facet_on : searched;
+    for (Index t = 0; t < n; ++t) {
+      for (int k = 0; k < 4; ++k) {
+        const Index i = found[t][k];
+        if (i < 0) continue;
+        const Triple f = face(t, k);
+        if (facet_of[i] < 0) {
+          facet_of[i] = static_cast<Index>(out_.facets.size());
+          Facet facet;
+          facet.triangle = tets_.facet_markers[i] - 1;
+          out_.facets.push_back(facet);
+          corners_.push_back(oriented(f, facet.triangle));
+        }
+        const Index facet = facet_of[i];
+        out_.facet_on[t][k] = facet;
+        // f points out of t, so where the facet is oriented like f, t is behind it.
+        const Triple& c = corners_[facet];
+        const int at = c[0] == f[0] ? 0 : c[1] == f[0] ? 1 : 2;
+        (c[(at + 1) % 3] == f[1] ? out_.facets[facet].back : out_.facets[facet].front) = t;
+      }
+    }
+  }
+
+  // The facet's corners in the orientation of its arrangement triangle.
+  Triple oriented(const Triple& f, Index triangle) const {
+    const Triple g{arrangement_.F(triangle, 0), arrangement_.F(triangle, 1), arrangement_.F(triangle, 2)};
+    bool same;
+    if (sorted(f) == sorted(g)) {
+      const int at = g[0] == f[0] ? 0 : g[1] == f[0] ? 1 : 2;
+      same = g[(at + 1) % 3] == f[1];
+    } else {  // TetGen has split the triangle: compare normals
+      const auto normal = [&](const Triple& t) {
+        const Eigen::Vector3d a = tets_.V.row(t[0]), b = tets_.V.row(t[1]), c = tets_.V.row(t[2]);
+        return Eigen::Vector3d((b - a).cross(c - a));
+      };
+      same = normal(f).dot(normal(g)) > 0;
+    }
+    return same ? f : Triple{f[0], f[2], f[1]};
+  }
+
+  void number_cells() {
+    const Index n = static_cast<Index>(tets_.T.rows());
+    out_.cell.assign(n, -1);
+    std::vector<Index> stack;
+    for (Index seed = 0; seed < n; ++seed) {
+      if (out_.cell[seed] >= 0) continue;
+      const Index id = cells_++;
+      out_.cell[seed] = id;
+      stack.push_back(seed);
+      while (!stack.empty()) {
+        const Index t = stack.back();
+        stack.pop_back();
+        for (int k = 0; k < 4; ++k) {
+          const Index other = tets_.neighbours(t, k);
+          if (other < 0 || out_.facet_on[t][k] >= 0 || out_.cell[other] >= 0) continue;
+          out_.cell[other] = id;
+          stack.push_back(other);
+        }
+      }
+    }
+  }
+
+  // A cell that is not simply connected may be covered by copies that change places on the way round. Such
+  // cells are cut: all faces between their tets that do not close up around edges become facets without a
+  // sheet, whose gluing is a permutation. Starting from a spanning tree of the tets, a face is no cut when it
+  // is the last open one around an edge; in a ball that leaves none.
+  void cut_handles() {
+    const Index n = static_cast<Index>(tets_.T.rows());
+    std::vector<char> deep(n, 0);
+    bool any = false;
+    for (Index t = 0; t < n; ++t) any |= deep[t] = out_.winding_of(t) >= 2;
+    if (!any) return;
+    struct Face {
+      Index tet;
+      int corner;
+      std::array<Index, 3> edges{-1, -1, -1};
+      bool open = true;
+    };
+    std::vector<Face> faces;
+    std::vector<std::array<Index, 4>> face_on(n, {-1, -1, -1, -1});
+    for (Index t = 0; t < n; ++t) {
+      if (!deep[t]) continue;
+      for (int k = 0; k < 4; ++k) {
+        const Index other = tets_.neighbours(t, k);
+        if (other < t || out_.facet_on[t][k] >= 0) continue;
+        face_on[t][k] = static_cast<Index>(faces.size());
+        for (int j = 0; j < 4; ++j)
+          if (tets_.neighbours(other, j) == t) face_on[other][j] = face_on[t][k];
+        faces.push_back({t, k});
+      }
+    }
+    // Edges inside the cells, with their open faces.
+    struct Use {
+      Index p, q, face;
+      int side;
+      bool operator<(const Use& other) const {
+        return std::tie(p, q, face) < std::tie(other.p, other.q, other.face);
+      }
+    };
+    std::vector<Use> uses;
+    for (Index f = 0; f < static_cast<Index>(faces.size()); ++f)
+      for (int i = 0; i < 3; ++i) {
+        const Index a = tets_.T(faces[f].tet, kFace[faces[f].corner][i]);
+        const Index b = tets_.T(faces[f].tet, kFace[faces[f].corner][(i + 1) % 3]);
+        uses.push_back({std::min(a, b), std::max(a, b), f, i});
+      }
+    parallel_sort_groups(uses, tets_.V.rows(), [](const auto& use) { return use.p; });
+    std::vector<std::pair<Index, Index>> on_surface;  // edges of facets: their rings do not close in a cell
+    for (const Triple& c : corners_)
+      for (int k = 0; k < 3; ++k)
+        on_surface.emplace_back(std::min(c[k], c[(k + 1) % 3]), std::max(c[k], c[(k + 1) % 3]));
+    parallel_sort_groups(on_surface, tets_.V.rows(), [](const auto& edge) { return edge.first; });
+    std::vector<std::vector<Index>> faces_of;
+    std::vector<Index> open_count;
+    for (std::size_t b = 0; b < uses.size();) {
+      std::size_t e = b + 1;
+      while (e < uses.size() && uses[e].p == uses[b].p && uses[e].q == uses[b].q) ++e;
+      if (!std::binary_search(on_surface.begin(), on_surface.end(), std::make_pair(uses[b].p, uses[b].q))) {
+        faces_of.emplace_back();
+        open_count.push_back(static_cast<Index>(e - b));
+        for (std::size_t i = b; i < e; ++i) {
+          faces_of.back().push_back(uses[i].face);
+          faces[uses[i].face].edges[uses[i].side] = static_cast<Index>(faces_of.size()) - 1;
+        }
+      }
+      b = e;
+    }
+    std::vector<Index> single;
+    const auto close = [&](Index f) {
+      faces[f].open = false;
+      for (const Index e : faces[f].edges)
+        if (e >= 0 && --open_count[e] == 1) single.push_back(e);
+    };
+    std::vector<char> reached(n, 0);
+    std::vector<Index> queue;
+    for (Index seed = 0; seed < n; ++seed) {
+      if (!deep[seed] || reached[seed]) continue;
+      reached[seed] = 1;
+      queue.assign(1, seed);
+      for (std::size_t head = 0; head < queue.size(); ++head)
+        for (int k = 0; k < 4; ++k) {
+          const Index f = face_on[queue[head]][k];
+          if (f < 0) continue;
+          const Index other = tets_.neighbours(queue[head], k);
+          if (reached[other]) continue;
+          reached[other] = 1;
+          queue.push_back(other);
+          close(f);
+        }
+    }
+    while (!single.empty()) {
+      const Index e = single.back();
+      single.pop_back();
+      for (const Index f : faces_of[e])
+        if (faces[f].open) {
+          close(f);
+          break;
+        }
+    }
+    for (const Face& face : faces) {
+      if (!face.open) continue;
+      const Index t = face.tet, other = tets_.neighbours(t, face.corner);
+      const Index id = static_cast<Index>(out_.facets.size());
+      Facet facet;
+      facet.back = t, facet.front = other;
+      out_.facets.push_back(facet);
+      corners_.push_back({tets_.T(t, kFace[face.corner][0]), tets_.T(t, kFace[face.corner][1]),
+                          tets_.T(t, kFace[face.corner][2])});
+      out_.facet_on[t][face.corner] = id;
+      for (int j = 0; j < 4; ++j)
+        if (tets_.neighbours(other, j) == t) out_.facet_on[other][j] = id;
+      ++out_.cuts;
+    }
+  }
+
+  std::optional<Error> find_windings() {
+    constexpr Index kUnknown = -1000000;
+    out_.winding.assign(cells_, kUnknown);
+    std::vector<std::vector<std::pair<Index, Index>>> links(cells_ + 1);  // (cell, w there - w here)
+    const auto index = [&](Index tet) { return tet < 0 ? cells_ : out_.cell[tet]; };
+    std::map<std::tuple<Index, Index, Index>, char> seen;
+    std::tuple<Index, Index, Index> last(-1, -1, 0);
+    for (Index f = 0; f < static_cast<Index>(out_.facets.size()); ++f) {
+      Index jump = 0;
+      if (const Index g = out_.facets[f].triangle; g >= 0)
+        for (Index s = arrangement_.sheet_begin[g]; s < arrangement_.sheet_begin[g + 1]; ++s)
+          jump += arrangement_.sheets[s].sign;
+      const Index front = index(out_.facets[f].front), back = index(out_.facets[f].back);
+      const std::tuple key(front, back, jump);
+      if (key == last || !seen.try_emplace(key, 1).second) continue;
+      last = key;
+      links[front].emplace_back(back, jump);
+      links[back].emplace_back(front, -jump);
+    }
+    std::vector<Index> known(cells_ + 1, kUnknown), stack{cells_};
+    known[cells_] = 0;
+    while (!stack.empty()) {
+      const Index c = stack.back();
+      stack.pop_back();
+      for (const auto& [other, jump] : links[c]) {
+        if (known[other] == kUnknown) {
+          known[other] = known[c] + jump;
+          stack.push_back(other);
+        } else if (known[other] != known[c] + jump) {
+          return Error{ErrorCode::unsolved, "The arrangement has lost a face: winding numbers do not agree."};
+        }
+      }
+    }
+    for (Index c = 0; c < cells_; ++c) {
+      out_.winding[c] = known[c];
+      if (known[c] < 0 && known[c] != kUnknown)
+        // Whether the surface itself has such a region is for the exact diagnosis to say; rounding can make
+        // one.
+        return Error{ErrorCode::unsolved, "The arrangement has a cell of negative winding number " +
+                                              std::to_string(known[c]) + "."};
+      if (known[c] == kUnknown)
+        return Error{ErrorCode::unsolved, "The arrangement has a cell that no face bounds."};
+    }
+    return std::nullopt;
+  }
+
+  const Arrangement& arrangement_;
+  const TetgenResult& tets_;
+  Sheets& out_;
+  Index cells_ = 0;
+  std::vector<Triple> corners_;  // per facet
+};
+
+}  // namespace
+
+Result<std::vector<std::array<Index, 3>>> find_cells(const Arrangement& arrangement, const TetgenResult& tets,
+                                                     Sheets& sheets) {
+  return CellFinder(arrangement, tets, sheets).run();
+}
+
+}  // namespace overtet

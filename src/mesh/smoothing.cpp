@@ -1,0 +1,286 @@
+// LocalOperations: where a vertex is placed best.
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "kernels/tet_energy/tet_quality.h"
+#include "src/mesh/local_operations.h"
+
+namespace overtet {
+
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// A move that gains less than this is not worth a change of the mesh.
+constexpr double kLeastGain = 1e-3;
+// Functions within this factor of the worst steer the climb together with it.
+constexpr double kActiveFactor[] = {1.5, 1.1}, kAllFactors[] = {1.5, 1.1, 2.0, 1.25, 1.02};
+// Those beyond this factor do not matter for a step.
+constexpr double kFarFromWorst = 4.0;
+constexpr int kMostActive = 5;
+constexpr int kMostHalvings = 10;
+// A step is not tried where the linear model of the logarithm promises less than this.
+constexpr double kLeastStepGain = 0.01;
+
+// The point of the convex hull of up to kMostActive vectors that is nearest to the origin. It lies on a
+// corner, an edge or a triangle unless the origin is inside.
+Vector3d nearest_to_origin(const Vector3d* g, int n) {
+  Vector3d best = g[0];
+  double norm = best.squaredNorm();
+  const auto take = [&](const Vector3d& p) {
+    const double s = p.squaredNorm();
+    if (s < norm) {
+      norm = s;
+      best = p;
+    }
+  };
+  for (int i = 1; i < n; ++i) take(g[i]);
+  for (int i = 0; i < n; ++i)
+    for (int j = i + 1; j < n; ++j) {
+      const Vector3d e = g[j] - g[i];
+      const double ee = e.squaredNorm(), t = -g[i].dot(e);
+      if (t > 0 && t < ee) take(g[i] + (t / ee) * e);
+    }
+  for (int i = 0; i < n; ++i)
+    for (int j = i + 1; j < n; ++j)
+      for (int k = j + 1; k < n; ++k) {
+        const Vector3d e = g[j] - g[i], f = g[k] - g[i], normal = e.cross(f);
+        const double nn = normal.squaredNorm();
+        if (nn == 0) continue;
+        const Vector3d p = normal * (g[i].dot(normal) / nn), q = p - g[i];
+        const double u = q.cross(f).dot(normal), w = e.cross(q).dot(normal);
+        if (u > 0 && w > 0 && u + w < nn) take(p);
+      }
+  return best;
+}
+
+}  // namespace
+
+void LocalOperations::load_bases() {
+  bases_.clear();
+  for (const Face& f : faces_)
+    bases_.push_back({mesh_.position(f[0]), mesh_.position(f[1]), mesh_.position(f[2]), 1, 0});
+}
+
+double LocalOperations::quality_at(const Vector3d& x, double stop) {
+  double q = kInfinity;
+  for (std::size_t i = 0; i < bases_.size(); ++i) {
+    const double here = bases_[i].weight * min_dihedral_sine(bases_[i].a, bases_[i].b, bases_[i].c, x);
+    if (here >= q) continue;
+    q = here;
+    // The next trial is likely to fail at the same place: look there first.
+    if (i > 0) std::swap(bases_[i], bases_[i / 2]);
+    if (q <= stop) return q;
+  }
+  return q;
+}
+
+double LocalOperations::optimise(Vector3d& x, double q, int rounds) {
+  struct Active {
+    double log_sine;
+    Vector3d gradient;
+  };
+  const std::span<const double> factors = thorough_ ? std::span<const double>(kAllFactors) : kActiveFactor;
+  const double least_gain = thorough_ ? 0 : kLeastStepGain;
+  static thread_local std::vector<Active> all;
+  static thread_local std::vector<double> worst_of;  // of each base
+  for (int round = 0; round < rounds; ++round) {
+    all.clear();
+    worst_of.clear();
+    double lowest = kInfinity;
+    for (const Base& f : bases_) {
+      worst_of.push_back(f.weight * min_dihedral_sine(f.a, f.b, f.c, x));
+      lowest = std::min(lowest, worst_of.back());
+    }
+    DihedralSines sines;
+    double least = kInfinity;
+    for (std::size_t i = 0; i < bases_.size(); ++i) {
+      if (worst_of[i] > kFarFromWorst * lowest) continue;
+      const Base& f = bases_[i];
+      dihedral_sines(f.a, f.b, f.c, x, sines);
+      for (int e = 0; e < 6; ++e) {
+        const double sine = f.weight * sines.sine[e];
+        if (sine > kFarFromWorst * lowest) continue;
+        const double s = std::log(std::max(sine, 1e-40));
+        if (!std::isfinite(s) || !sines.log_gradient[e].allFinite()) continue;
+        all.push_back({s, sines.log_gradient[e]});
+        least = std::min(least, s);
+      }
+    }
+    if (all.empty()) return q;
+    bool moved = false;
+    for (const double factor : factors) {
+      const double limit = least + std::log(factor);
+      std::array<Vector3d, kMostActive> active;
+      active.fill(Vector3d::Zero());
+      std::array<double, kMostActive> value{};
+      int n = 0;
+      for (const Active& a : all) {
+        if (a.log_sine > limit) continue;
+        if (n < kMostActive) {
+          active[n] = a.gradient;
+          value[n++] = a.log_sine;
+        } else {
+          const int worst_kept =
+              static_cast<int>(std::max_element(value.begin(), value.end()) - value.begin());
+          if (a.log_sine < value[worst_kept]) {
+            active[worst_kept] = a.gradient;
+            value[worst_kept] = a.log_sine;
+          }
+        }
+      }
+      const Vector3d y = nearest_to_origin(active.data(), n);
+      const double yy = y.norm();
+      if (!(yy > 0) || !std::isfinite(yy)) continue;
+      const Vector3d direction = y / yy;
+      double slope = kInfinity;
+      for (int i = 0; i < n; ++i) slope = std::min(slope, active[i].dot(direction));
+      if (!(slope > 1e-3 * yy)) continue;
+
+      // Volumes are linear along the way: here the first one would be zero.
+      double end = kInfinity;
+      for (const Base& f : bases_) {
+        const Vector3d normal = (f.b - f.a).cross(f.c - f.a);
+        const double rate = normal.dot(direction);
+        if (rate < 0) end = std::min(end, std::max(normal.dot(x - f.a), 0.0) / -rate);
+      }
+      if (!(end > 0) || !std::isfinite(end)) continue;
+      // Where the linear model says that another function becomes the worst.
+      double step = 0.7 * end;
+      for (const Active& a : all) {
+        const double s = a.gradient.dot(direction);
+        if (a.log_sine > limit && s < slope) step = std::min(step, (a.log_sine - least) / (slope - s));
+      }
+      step = std::max(step, 1e-3 * end);
+      double reached = q;
+      Vector3d best = x;
+      for (int halving = 0; halving < kMostHalvings && step * slope > least_gain; ++halving, step *= 0.5) {
+        const Vector3d trial = x + step * direction;
+        const double here = quality_at(trial, reached);
+        if (here > reached) {
+          reached = here;
+          best = trial;
+          if (halving > 0) break;
+          // Right at the first try: go on as long as it pays.
+          for (double longer = 2 * step; longer < 0.9 * end; longer *= 2) {
+            const Vector3d far = x + longer * direction;
+            const double there = quality_at(far, reached);
+            if (!(there > reached)) break;
+            reached = there;
+            best = far;
+          }
+          break;
+        }
+      }
+      if (reached > q * (1 + 1e-4)) {
+        moved = true;
+        const bool small = reached < q * 1.01;
+        q = reached;
+        x = best;
+        if (small) return q;
+        break;
+      }
+    }
+    if (!moved) return q;
+  }
+  return q;
+}
+
+bool LocalOperations::star_of_free(Index v) {
+  if (fixed_[v]) return false;
+  mesh_.star(v, star_);
+  if (star_.empty()) return false;
+  faces_.clear();
+  for (const Index t : star_) faces_.push_back(inner_face(t, mesh_.corner(t, v)));
+  load_bases();
+  return true;
+}
+
+bool LocalOperations::smooth(Index v, double gain) {
+  if (!star_of_free(v)) return false;
+  const double before = worst(star_);
+  Vector3d x = mesh_.position(v);
+  const double after = optimise(x, before, 6);
+  if (!(after > before * gain)) return false;
+  mesh_.move(v, x);
+  refresh(star_);
+  changed_ = star_;
+  return true;
+}
+
+bool LocalOperations::move_towards(Index v, const Vector3d& target) {
+  if (!star_of_free(v)) return false;
+  const double before = worst(star_);
+  const Vector3d from = mesh_.position(v);
+  Vector3d best = from;
+  double reached = before * (1 + kLeastGain);
+  for (double step = 1; step > 0.05; step *= 0.5) {
+    const Vector3d x = from + step * (target - from);
+    const double q = quality_at(x, reached);
+    if (q > reached) {
+      reached = q;
+      best = x;
+    }
+  }
+  if (best == from) return false;
+  mesh_.move(v, best);
+  refresh(star_);
+  changed_ = star_;
+  return true;
+}
+
+bool LocalOperations::place(Index v, const Vector3d& p) {
+  mesh_.star(v, star_);
+  const Vector3d from = mesh_.position(v);
+  mesh_.move(v, p);
+  for (std::size_t i = 0; i < star_.size(); ++i) {
+    const auto& c = mesh_.tet(star_[i]);
+    const double q = quality_of(c[0], c[1], c[2], c[3]);
+    if (q > 0) {
+      quality_[star_[i]] = q;
+      continue;
+    }
+    mesh_.move(v, from);
+    for (std::size_t j = 0; j < i; ++j) {
+      const auto& b = mesh_.tet(star_[j]);
+      quality_[star_[j]] = quality_of(b[0], b[1], b[2], b[3]);
+    }
+    return false;
+  }
+  forget_spheres(star_);
+  changed_ = star_;
+  return true;
+}
+
+bool LocalOperations::place_all(std::span<const Index> vertices, std::span<const Vector3d> positions,
+                                std::span<const Index> tets) {
+  std::vector<Vector3d> from;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    from.push_back(mesh_.position(vertices[i]));
+    mesh_.move(vertices[i], positions[i]);
+  }
+  bool good = true;
+  std::vector<double> quality;
+  for (const Index t : tets) {
+    const auto& c = mesh_.tet(t);
+    quality.push_back(quality_of(c[0], c[1], c[2], c[3]));
+    if (!(quality.back() > 0)) {
+      good = false;
+      break;
+    }
+  }
+  if (!good) {
+    for (std::size_t i = 0; i < vertices.size(); ++i) mesh_.move(vertices[i], from[i]);
+    return false;
+  }
+  for (std::size_t i = 0; i < tets.size(); ++i) quality_[tets[i]] = quality[i];
+  forget_spheres(tets);
+  changed_.assign(tets.begin(), tets.end());
+  return true;
+}
+
+}  // namespace overtet

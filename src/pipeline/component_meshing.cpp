@@ -1,0 +1,337 @@
+#include "src/pipeline/component_meshing.h"
+
+#include <algorithm>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "src/cdt/tetgen.h"
+#include "src/immersion/immersion.h"
+#include "src/pipeline/stage_clock.h"
+
+namespace overtet {
+
+namespace {
+
+// Every part is compared with every group; beyond this number that takes longer than it saves.
+constexpr std::size_t kMostParts = 20000;
+
+// That surround one without a mesh, tried one by one.
+constexpr std::size_t kMostCarriers = 3;
+
+// With TetGen where nothing crosses: what it does not fill like this, the immersion route, which may cut the
+// surface's edges on the way, does better.
+constexpr double kPlainPatience = 0.3;
+
+struct Box {
+  Eigen::RowVector3d low = Eigen::RowVector3d::Constant(1e300), high = Eigen::RowVector3d::Constant(-1e300);
+
+  void add(const Eigen::RowVector3d& p) { low = low.cwiseMin(p), high = high.cwiseMax(p); }
+  void add(const Box& b) { low = low.cwiseMin(b.low), high = high.cwiseMax(b.high); }
+  bool meets(const Box& b) const {
+    return (low.array() <= b.high.array()).all() && (b.low.array() <= high.array()).all();
+  }
+  bool contains(const Box& b) const {
+    return (low.array() <= b.low.array()).all() && (b.high.array() <= high.array()).all();
+  }
+  double size() const { return (high - low).prod(); }
+};
+
+struct Part {
+  std::vector<Index> components;
+  Box box;
+};
+using Group = std::vector<Part>;  // meshed together
+
+bool ends_run(const Error& e) {
+  return e.code == ErrorCode::limit || e.code == ErrorCode::interrupted || e.code == ErrorCode::io;
+}
+
+bool meet(const Group& a, const Group& b) {
+  return std::any_of(a.begin(), a.end(), [&](const Part& x) {
+    return std::any_of(b.begin(), b.end(), [&](const Part& y) { return x.box.meets(y.box); });
+  });
+}
+
+// Empty where there is one only, or the components cannot be told apart like this.
+std::vector<Part> find_parts(const Surface& surface, const Diagnosis& d) {
+  const SurfaceTopology& topology = d.topology.topology;
+  const std::size_t n = topology.components.size();
+  if (n < 2 || n > kMostParts) return {};
+  std::vector<Box> boxes(n);
+  for (Index f = 0; f < surface.F.rows(); ++f)
+    for (int k = 0; k < 3; ++k) boxes[topology.component_of_face[f]].add(surface.V.row(surface.F(f, k)));
+  std::vector<Index> part_of(n, -1);
+  std::vector<Part> parts;
+  for (std::size_t c = 0; c < n; ++c)
+    if (d.component_volume[c] > 0) {
+      part_of[c] = static_cast<Index>(parts.size());
+      parts.push_back({{static_cast<Index>(c)}, boxes[c]});
+    }
+  for (std::size_t c = 0; c < n; ++c) {
+    if (part_of[c] >= 0) continue;
+    Index around = -1;
+    for (std::size_t o = 0; o < n; ++o)
+      if (d.component_volume[o] > 0 && boxes[o].contains(boxes[c]) &&
+          (around < 0 || boxes[o].size() < boxes[around].size()))
+        around = static_cast<Index>(o);
+    if (around < 0) return {};
+    parts[part_of[around]].components.push_back(static_cast<Index>(c));
+  }
+  return parts;
+}
+
+std::vector<char> flags(const SurfaceTopology& topology, const std::vector<Index>& components) {
+  std::vector<char> in(topology.components.size(), 0);
+  for (const Index c : components) in[c] = 1;
+  return in;
+}
+
+// The components for which `in` is set.
+PartSurface taken_out(const Surface& surface, const SurfaceTopology& topology, const std::vector<char>& in) {
+  PartSurface part;
+  std::vector<Index> number(static_cast<std::size_t>(surface.V.rows()), -1), faces;
+  for (Index f = 0; f < surface.F.rows(); ++f) {
+    if (!in[topology.component_of_face[f]]) continue;
+    faces.push_back(f);
+    for (int k = 0; k < 3; ++k) number[surface.F(f, k)] = 0;
+  }
+  for (Index v = 0; v < surface.V.rows(); ++v)
+    if (number[v] == 0) number[v] = static_cast<Index>(part.vertices.size()), part.vertices.push_back(v);
+  part.surface.V = surface.V(part.vertices, Eigen::all);
+  part.surface.F.resize(static_cast<Eigen::Index>(faces.size()), 3);
+  for (std::size_t i = 0; i < faces.size(); ++i)
+    for (int k = 0; k < 3; ++k)
+      part.surface.F(static_cast<Eigen::Index>(i), k) = number[surface.F(faces[i], k)];
+  return part;
+}
+
+class PartsMesher {
+ public:
+  explicit PartsMesher(const PartsRoute& route) : route_(route) {}
+
+  Result<TetMesh> run(StageRecord& record) {
+    std::vector<Part> parts = find_parts(route_.surface, route_.diagnosis);
+    const std::size_t count = parts.size();
+    record.figures.emplace_back("parts", static_cast<std::int64_t>(count));
+    std::vector<Group> waiting;
+    for (Part& part : parts) {
+      auto group = std::find_if(waiting.begin(), waiting.end(), [&](const Group& g) {
+        return std::none_of(g.begin(), g.end(), [&](const Part& p) { return p.box.meets(part.box); });
+      });
+      if (group == waiting.end()) group = waiting.emplace(waiting.end());
+      group->push_back(std::move(part));
+    }
+    std::reverse(waiting.begin(), waiting.end());  // the first is taken from the back
+    while (!waiting.empty()) {
+      if (auto stop = route_.context.stop()) return *stop;
+      Group group = std::move(waiting.back());
+      waiting.pop_back();
+      Result<Piece> piece = mesh(group);
+      if (piece) {
+        done_.push_back(std::move(piece).value());
+        continue;
+      }
+      const Error& e = piece.error();
+      if (ends_run(e)) return e;
+      if (group.size() > 1) {
+        for (Part& part : group) waiting.push_back({std::move(part)});
+        continue;
+      }
+      // By itself it has none: together with one that surrounds it, or with all that is near it.
+      Result<bool> carried = carry(group[0], waiting);
+      if (!carried) return carried.error();
+      if (carried.value()) continue;
+      Group joined = group;
+      const auto take = [&](const Group& other) {
+        const bool near = meet(group, other);
+        if (near) joined.insert(joined.end(), other.begin(), other.end());
+        return near;
+      };
+      std::erase_if(waiting, take);
+      std::erase_if(done_, [&](const Piece& p) { return take(p.group); });
+      Part whole = as_one(joined);
+      if (joined.size() == 1 || whole.components.size() == component_count())
+        return Error{e.code,
+                     "The part with component " + std::to_string(group[0].components[0]) +
+                         ", by itself and with its vertices counted from 0, has no mesh: " + e.message};
+      waiting.push_back({std::move(whole)});
+    }
+    record.figures.emplace_back("groups", static_cast<std::int64_t>(done_.size()));
+    record.figures.emplace_back("immersed", immersed_);
+    TetMesh mesh = united(route_.surface.V, {done_.begin(), done_.end()});
+    record.figures.emplace_back("tets", std::int64_t{mesh.T.rows()});
+    return mesh;
+  }
+
+ private:
+  struct Piece : PartMesh {
+    Group group;
+  };
+
+  std::size_t component_count() const { return route_.diagnosis.topology.topology.components.size(); }
+
+  static Part as_one(const Group& group) {
+    Part whole;
+    for (const Part& part : group) {
+      whole.components.insert(whole.components.end(), part.components.begin(), part.components.end());
+      whole.box.add(part.box);
+    }
+    std::sort(whole.components.begin(), whole.components.end());
+    return whole;
+  }
+
+  // Meshes a part together with one group that surrounds it, the smallest first. All at once would make more
+  // layers than it needs, and a search that may be too long.
+  Result<bool> carry(const Part& part, std::vector<Group>& waiting) {
+    struct Carrier {
+      double size;
+      Group group;
+    };
+    std::vector<Carrier> carriers;
+    const auto look_at = [&](const Group& group) {
+      for (const Part& other : group)
+        if (other.box.contains(part.box)) return carriers.push_back({other.box.size(), group});
+    };
+    for (const Group& group : waiting) look_at(group);
+    for (const Piece& piece : done_) look_at(piece.group);
+    std::stable_sort(carriers.begin(), carriers.end(),
+                     [](const Carrier& a, const Carrier& b) { return a.size < b.size; });
+    if (carriers.size() > kMostCarriers) carriers.resize(kMostCarriers);
+    for (const Carrier& carrier : carriers) {
+      Group both = carrier.group;
+      both.push_back(part);
+      Part whole = as_one(both);
+      if (whole.components.size() == component_count()) continue;  // the immersion route takes all
+      Result<Piece> piece = mesh({std::move(whole)});
+      if (!piece) {
+        if (ends_run(piece.error())) return piece.error();
+        continue;
+      }
+      const Index component = carrier.group[0].components[0];
+      const auto is_carrier = [&](const Group& g) { return g[0].components[0] == component; };
+      std::erase_if(waiting, is_carrier);
+      std::erase_if(done_, [&](const Piece& p) { return is_carrier(p.group); });
+      done_.push_back(std::move(piece).value());
+      return true;
+    }
+    return false;
+  }
+
+  Result<Piece> mesh(const Group& group) {
+    const SurfaceTopology& topology = route_.diagnosis.topology.topology;
+    Piece piece;
+    piece.group = group;
+    std::vector<Index> components;
+    bool single = true;
+    for (const Part& part : group) {
+      single = single && part.components.size() == 1;
+      components.insert(components.end(), part.components.begin(), part.components.end());
+    }
+    const std::vector<char> in = flags(topology, components);
+    const auto is_in = [&](Index f) { return in[topology.component_of_face[f]] != 0; };
+    PartSurface part_surface = taken_out(route_.surface, topology, in);
+    const Surface& s = part_surface.surface;
+    piece.vertices = std::move(part_surface.vertices);
+
+    const bool crossing = std::any_of(route_.diagnosis.pairs.begin(), route_.diagnosis.pairs.end(),
+                                      [&](const FacePair& p) { return is_in(p.first) && is_in(p.second); });
+    if (single && !crossing) {
+      Result<TetMesh> plain = mesh_plain(s, route_.context);
+      if (!plain && plain.error().code != ErrorCode::unsolved) return plain.error();
+      if (plain) {
+        piece.mesh = std::move(plain).value();
+        return piece;
+      }
+    }
+    DiagnoseOptions options;
+    options.full_winding_range = false;
+    Result<Diagnosis> d = diagnose(s, options, route_.context);
+    if (!d) return d.error();
+    if (auto refused = refuse(d.value())) return *refused;
+    Result<ImmersionResult> r = immerse(s, d.value().pairs, d.value().wound.edges, {}, route_.context);
+    if (!r) return r.error();
+    ++immersed_;
+    piece.mesh = std::move(r.value().mesh);
+    return piece;
+  }
+
+  const PartsRoute& route_;
+  std::vector<Piece> done_;
+  std::int64_t immersed_ = 0;
+};
+
+}  // namespace
+
+bool is_plain(const Diagnosis& d) {
+  return d.pairs.empty() && d.winding.min == 0 && d.winding.max == 1 &&
+         std::all_of(d.component_volume.begin(), d.component_volume.end(), [](double v) { return v > 0; });
+}
+
+Result<TetMesh> mesh_plain(const Surface& surface, const RunContext& context) {
+  Plc plc;
+  plc.V = surface.V;
+  plc.F = surface.F;
+  TetgenOptions options;
+  options.quality = worth_refining(surface.V, surface.F);
+  options.patience = kPlainPatience;
+  Result<TetgenResult> tets = tetrahedralize_stubbornly(plc, options, context);
+  if (!tets) return tets.error();
+  TetMesh mesh;
+  mesh.V = std::move(tets.value().V);
+  mesh.T = std::move(tets.value().T);
+  mesh.surface_vertices = static_cast<Index>(surface.V.rows());
+  return mesh;
+}
+
+std::vector<PartSurface> parts_of(const Surface& surface, const Diagnosis& d) {
+  std::vector<PartSurface> out;
+  const std::vector<Part> parts = find_parts(surface, d);
+  if (parts.size() < 2) return out;
+  const SurfaceTopology& topology = d.topology.topology;
+  for (const Part& part : parts)
+    out.push_back(taken_out(surface, topology, flags(topology, part.components)));
+  return out;
+}
+
+TetMesh united(const VertexMatrix& V, const std::vector<PartMesh>& parts) {
+  TetMesh out;
+  out.surface_vertices = static_cast<Index>(V.rows());
+  Eigen::Index vertices = out.surface_vertices, tets = 0;
+  for (const PartMesh& p : parts) {
+    vertices += p.mesh.V.rows() - static_cast<Eigen::Index>(p.vertices.size());
+    tets += p.mesh.T.rows();
+  }
+  out.V.resize(vertices, 3);
+  out.T.resize(tets, 4);
+  out.V.topRows(out.surface_vertices) = V;
+  Index next_vertex = out.surface_vertices;
+  Eigen::Index next_tet = 0;
+  for (const PartMesh& p : parts) {
+    const Index own = static_cast<Index>(p.vertices.size());
+    const Eigen::Index added = p.mesh.V.rows() - own;
+    out.V.middleRows(next_vertex, added) = p.mesh.V.bottomRows(added);
+    for (Eigen::Index t = 0; t < p.mesh.T.rows(); ++t, ++next_tet)
+      for (int k = 0; k < 4; ++k) {
+        const Index v = p.mesh.T(t, k);
+        out.T(next_tet, k) = v < own ? p.vertices[v] : next_vertex + v - own;
+      }
+    next_vertex += static_cast<Index>(added);
+  }
+  return out;
+}
+
+bool has_parts(const Surface& surface, const Diagnosis& d) {
+  const std::vector<Part> parts = find_parts(surface, d);
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (parts[i].box.meets(parts[j].box)) return true;
+  return false;
+}
+
+Result<TetMesh> mesh_by_parts(const PartsRoute& route) {
+  return timed_stage("parts", route.records, route.context,
+                     [&](StageRecord& record) { return PartsMesher(route).run(record); });
+}
+
+}  // namespace overtet

@@ -1,0 +1,52 @@
+// Parts of a surface that are solids of their own, meshed one by one.
+//
+// A connected component whose winding number is nowhere negative bounds a solid by itself, whatever it passes
+// through or coincides with; the union of the parts' meshes is a mesh of the whole. So components never have
+// to be cut along each other, and only crossings of a component with itself are left to the immersion. A
+// component that faces inwards is a cavity and goes with the smallest one around it. Parts that are far from
+// each other go together into one mesh; a part that has no mesh by itself is joined with what is near it.
+// Repairs take the parts one by one, too.
+#pragma once
+
+#include <vector>
+
+#include "overtet/run_context.h"
+#include "overtet/types.h"
+#include "src/certificates/diagnose.h"
+#include "src/report/report.h"
+
+namespace overtet {
+
+// No crossings, no component inside another one: any mesh of the inside is the answer.
+bool is_plain(const Diagnosis& diagnosis);
+// pre: is_plain(). TetGen alone.
+Result<TetMesh> mesh_plain(const Surface& surface, const RunContext& context);
+
+struct PartSurface {
+  Surface surface;
+  std::vector<Index> vertices;  // of the whole, increasing
+};
+// The parts, where there are two or more.
+std::vector<PartSurface> parts_of(const Surface& surface, const Diagnosis& diagnosis);
+
+struct PartMesh {
+  std::vector<Index> vertices;  // of the whole, increasing: the part's surface vertices
+  TetMesh mesh;
+};
+// One mesh with the surface vertices V; those in `parts` are not looked at.
+TetMesh united(const VertexMatrix& V, const std::vector<PartMesh>& parts);
+
+struct PartsRoute {
+  const Surface& surface;  // in the unit box
+  const Diagnosis& diagnosis;
+  const RunContext& context;
+  std::vector<StageRecord>& records;
+};
+
+// Whether several parts lie so close to each other that meshing them one by one is worth while.
+bool has_parts(const Surface& surface, const Diagnosis& diagnosis);
+
+// A positive tet mesh of the surface, not yet checked. pre: has_parts().
+Result<TetMesh> mesh_by_parts(const PartsRoute& route);
+
+}  // namespace overtet

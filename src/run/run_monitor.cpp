@@ -1,0 +1,115 @@
+#include "src/run/run_monitor.h"
+
+#include <dirent.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+namespace overtet {
+
+namespace {
+
+constexpr auto kPeriod = std::chrono::milliseconds(25);
+
+std::size_t resident_bytes(long process) {
+  const std::string path = "/proc/" + std::to_string(process) + "/statm";
+  std::FILE* file = std::fopen(path.c_str(), "r");
+  if (!file) return 0;
+  unsigned long total = 0, resident = 0;
+  const int got = std::fscanf(file, "%lu %lu", &total, &resident);
+  std::fclose(file);
+  return got == 2 ? resident * static_cast<std::size_t>(sysconf(_SC_PAGESIZE)) : 0;
+}
+
+// The children of each thread of a process.
+void children_of(long process, std::vector<long>& out) {
+  const std::string tasks = "/proc/" + std::to_string(process) + "/task";
+  DIR* directory = opendir(tasks.c_str());
+  if (!directory) return;
+  while (const dirent* entry = readdir(directory)) {
+    if (entry->d_name[0] == '.') continue;
+    const std::string path = tasks + "/" + entry->d_name + "/children";
+    if (std::FILE* file = std::fopen(path.c_str(), "r")) {
+      long child = 0;
+      while (std::fscanf(file, "%ld", &child) == 1) out.push_back(child);
+      std::fclose(file);
+    }
+  }
+  closedir(directory);
+}
+
+}  // namespace
+
+std::size_t tree_resident_bytes() {
+  std::vector<long> processes = {static_cast<long>(getpid())};
+  std::size_t sum = 0;
+  for (std::size_t i = 0; i < processes.size() && i < 64; ++i) {
+    sum += resident_bytes(processes[i]);
+    children_of(processes[i], processes);
+  }
+  return sum;
+}
+
+RunMonitor::RunMonitor(const RunContext& outer)
+    : inner_(outer), outer_cancel_(outer.cancel), limit_(outer.memory_limit_bytes) {
+  inner_.cancel = &stop_;
+  look();  // once at once, so that short runs are measured too
+  // Signals are for the thread that the caller has chosen, never for this one.
+  sigset_t all, before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  thread_ = std::thread([this] { watch(); });
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+}
+
+RunMonitor::~RunMonitor() {
+  {
+    const std::lock_guard lock(mutex_);
+    ended_ = true;
+  }
+  wake_.notify_all();
+  thread_.join();
+}
+
+void RunMonitor::look() {
+  const std::size_t now = tree_resident_bytes();
+  if (now > peak_) peak_ = now;
+  if (limit_ > 0 && now > limit_) {
+    memory_exceeded_ = true;
+    stop_ = true;
+  }
+  if (outer_cancel_ && outer_cancel_->load(std::memory_order_relaxed)) stop_ = true;
+}
+
+void RunMonitor::watch() {
+  std::unique_lock lock(mutex_);
+  while (!ended_) {
+    look();
+    wake_.wait_for(lock, kPeriod);
+  }
+}
+
+std::size_t RunMonitor::peak_bytes() const {
+  std::size_t peak = peak_;
+  for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+    rusage usage{};
+    if (getrusage(who, &usage) == 0) peak = std::max(peak, static_cast<std::size_t>(usage.ru_maxrss) * 1024);
+  }
+  return peak;
+}
+
+Error RunMonitor::explained(Error error) const {
+  if (error.code == ErrorCode::interrupted && memory_exceeded_ &&
+      !(outer_cancel_ && outer_cancel_->load(std::memory_order_relaxed)))
+    return {ErrorCode::limit, "The memory limit of " + std::to_string(limit_ >> 20) +
+                                  " MiB was reached; allow more with --memory-limit."};
+  return error;
+}
+
+}  // namespace overtet
