@@ -7,13 +7,15 @@
 #include <utility>
 #include <variant>
 
+#include "overtet/certificate.h"
+
 namespace overtet {
 
 enum class ErrorCode {
   usage = 2,       // the options contradict each other or are out of range
   bad_input = 3,   // the surface cannot be what this program needs; the message names the element
   unsolved = 4,    // feasible as far as anyone can tell, but no mesh was found
-  infeasible = 5,  // no such mesh exists; a witness says why
+  infeasible = 5,  // no such mesh exists; the certificate says why
   limit = 6,       // the time or memory limit was reached
   io = 7,          // a file could not be read or written
   internal = 70,   // a bug
@@ -27,6 +29,8 @@ struct Error {
   std::optional<std::array<double, 3>> place = std::nullopt;
   // Of `unsolved`: everything that could be a solution has been tried, so that another way finds none either.
   bool exhausted = false;
+  // Of `infeasible`: the proof. (None where a repair gave up, or a part of the surface is what has no mesh.)
+  std::optional<Certificate> certificate = std::nullopt;
 };
 
 // A value or an error. Check ok() before value(); taking the wrong one is a bug.

@@ -1,0 +1,140 @@
+// Why a surface has no tet mesh, as data that anyone can check without this library.
+//
+// Each type below is what one rule found: a proof that no mesh of positive tets exists with every input face
+// and vertex as it is and one turn of tets around every interior edge. scripts/check_witness checks each in
+// rational numbers, from the surface and the certificate alone. Vertices and faces are those of the surface
+// that was examined, counted from 0; lists that name a property "of each" run along `vertices`. Positions are
+// the surface's own coordinates.
+//
+// What the words mean. The winding number of a point says how many layers of the solid cover it. B0 of a
+// vertex p is the integer (A + sum (pi - theta_e)) / 2 pi - 1, with A the winding number integrated over a
+// tiny sphere around p and theta_e the interior dihedral angle at each of its edges; by Gauss and Bonnet a
+// mesh has B0 = 2 c + sum k_e with c >= 0 layers that cover p without touching it and k_e >= 0 turns around
+// edge e beyond theta_e, where k_e is at most the winding number on the outer side of e, all along it. An
+// edge is covered when that number is positive all along. (Sources: Sacht et al. 2013 for the winding number;
+// Blank 1967 and Poenaru 1968 for discs with a given boundary; the rest is derived in docs/ and in the
+// headers of src/covering and src/certificates.)
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace overtet {
+
+// A point of negative winding number. Positive tets only ever add to it.
+struct WindingCertificate {
+  std::array<double, 3> point{};     // the nearest doubles
+  std::array<std::string, 3> exact;  // the point itself: integers, or fractions such as "12345/65536"
+  int winding = 0;                   // of the exact point, < 0
+  bool doubles_suffice = false;      // the winding number at `point` is negative, too
+};
+
+// A vertex with B0 < 0.
+struct VertexCertificate {
+  std::int32_t vertex = -1;
+  int B0 = 0;
+  std::array<double, 3> position{};
+};
+
+// The same where two faces lie flat on each other at an edge of the vertex, or almost: only who computes
+// exactly can tell a dihedral angle of 0 from 2 pi there.
+struct FoldCertificate {
+  std::int32_t vertex = -1;
+  int B0 = 0;
+  std::array<double, 3> position{};
+};
+
+// Coplanar faces that lie on each other in an order that must not be. Vertices that move by moves[i] * eps
+// along the normal of `face` make the winding number at `exact` negative between the faces, for every eps > 0
+// that is small enough; a surface that has a mesh still has one after such a move.
+struct StackCertificate {
+  std::int32_t face = -1;              // its normal is (b - a) x (c - a)
+  std::array<double, 3> point{};       // the nearest doubles
+  std::array<std::string, 3> exact;    // integers or fractions
+  std::vector<std::int32_t> vertices;  // sorted
+  std::vector<int> moves;              // of each
+  int winding = 0;                     // < 0
+};
+
+// An odd number of vertices with odd B0 that covered edges join to each other and to no others: over them the
+// sum of B0 would have to be even.
+struct UnpairedCertificate {
+  std::vector<std::int32_t> vertices;            // sorted
+  std::vector<int> B0;                           // of each, odd
+  std::vector<std::array<double, 3>> positions;  // of each
+};
+
+// A vertex whose edges cannot take the turns that B0 asks for, whatever c is.
+struct CrowdedCertificate {
+  std::int32_t vertex = -1;
+  int B0 = 0;
+  std::array<double, 3> position{};
+};
+
+// A vertex whose surroundings no tets fill: the polygon in which its faces meet a small sphere bounds no disc
+// that turns at covered edges only, in as many layers as the winding numbers allow.
+struct LinkCertificate {
+  std::int32_t vertex = -1;
+  int B0 = 0;
+  std::array<double, 3> position{};
+};
+
+// Vertices in one place. Their surroundings need `layers` at least, each, beyond the least that their faces
+// show, and all that passes through the place leaves room for `room`, fewer than the sum.
+struct SharedCertificate {
+  std::vector<std::int32_t> vertices;
+  std::vector<int> layers;                       // of each
+  std::vector<std::array<double, 3>> positions;  // of each
+  int room = 0;
+};
+
+// As UnpairedCertificate, of one component by itself: moved in `direction` by as little as one likes, away
+// from others that it touches, it gets from them nothing that covers one of the edges in question. Its rule
+// is called "unpaired" as well.
+struct SeparatedCertificate {
+  std::vector<std::int32_t> vertices;
+  std::vector<int> B0;                           // of each, in the component by itself
+  std::vector<std::array<double, 3>> positions;  // of each
+  std::array<int, 3> direction{};
+};
+
+// Crossings of faces and edges around which the layers of the solid cannot be glued, all at once, so that one
+// turn leads every layer back to itself.
+struct GluingCertificate {
+  struct Crossing {
+    std::array<std::int32_t, 2> faces{};  // that cross,
+    int layers = 0;                       // where so many layers lie in front of both;
+    std::array<double, 3> position{};     // about the middle of that piece of their common curve
+  };
+  std::vector<Crossing> crossings;                 // sorted
+  std::vector<std::array<std::int32_t, 2>> edges;  // by their vertices, the smaller one first; sorted
+};
+
+// What a rule found that is not part of Overtet: see "How to add a certificate" in CONTRIBUTING.md.
+struct CustomCertificate {
+  std::string rule;  // its name
+  std::string explanation;
+  std::vector<std::int32_t> vertices;
+  std::vector<std::array<double, 3>> positions;  // of each
+};
+
+// In the order in which the rules are tried: the first that objects decides.
+using Certificate = std::variant<WindingCertificate, VertexCertificate, FoldCertificate, StackCertificate,
+                                 UnpairedCertificate, CrowdedCertificate, LinkCertificate, SharedCertificate,
+                                 SeparatedCertificate, GluingCertificate, CustomCertificate>;
+
+// "winding", "vertex", ...: what a report calls it. Valid as long as the certificate.
+const char* rule_name(const Certificate& certificate);
+
+// One sentence for a person: why no mesh exists.
+std::string explain(const Certificate& certificate);
+
+// The "witness" of a report, on one line without a line end; its keys are in the README ("The report").
+std::string to_json(const Certificate& certificate);
+
+}  // namespace overtet
