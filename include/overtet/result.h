@@ -22,13 +22,19 @@ enum class ErrorCode {
   interrupted = 130
 };
 
+// What more is known of an error `unsolved`, where that decides what is tried next.
+enum class ErrorReason {
+  none,
+  exhausted,  // everything that could be a solution has been tried, so that another way finds none either
+  endless     // the work allowed was used up; nothing is known of what would have come of it
+};
+
 struct Error {
   ErrorCode code = ErrorCode::internal;
   std::string message;  // one sentence that tells the user what is wrong and what to do
   // Where, if it is in one place: in the coordinates of the geometry that the function was given.
   std::optional<std::array<double, 3>> place = std::nullopt;
-  // Of `unsolved`: everything that could be a solution has been tried, so that another way finds none either.
-  bool exhausted = false;
+  ErrorReason reason = ErrorReason::none;
   // Of `infeasible`: the proof. (None where a repair gave up, or a part of the surface is what has no mesh.)
   std::optional<Certificate> certificate = std::nullopt;
 };
