@@ -9,10 +9,6 @@ function(overtet_room name)
   add_library(overtet_${name} STATIC ${ROOM_SOURCES})
   target_include_directories(overtet_${name} PUBLIC ${CMAKE_SOURCE_DIR})
   target_link_libraries(overtet_${name} PUBLIC overtet_public ${ROOM_LINKS} PRIVATE ${ROOM_PRIVATE_LINKS})
-  if(NOT name STREQUAL core)  # every room may use kernels/core
-    list(APPEND ROOM_LINKS overtet_core)
-    target_link_libraries(overtet_${name} PUBLIC overtet_core)
-  endif()
   if(ROOM_SOURCES)
     target_precompile_headers(overtet_${name} REUSE_FROM overtet_precompiled)
   endif()
@@ -23,7 +19,10 @@ function(overtet_room name)
       PRIVATE overtet_public ${ROOM_LINKS} ${ROOM_PRIVATE_LINKS} CGAL::CGAL)
     target_sources(overtet_${name} PRIVATE $<TARGET_OBJECTS:overtet_${name}_cgal>)
     target_link_libraries(overtet_${name} PRIVATE gmp mpfr)
+    set_property(GLOBAL APPEND PROPERTY OVERTET_OBJECTS $<TARGET_OBJECTS:overtet_${name}_cgal>)
   endif()
+  # What overtet_library() puts together.
+  set_property(GLOBAL APPEND PROPERTY OVERTET_OBJECTS $<TARGET_OBJECTS:overtet_${name}>)
 endfunction()
 
 # overtet_test(NAME SOURCES ... LINKS ...): one GoogleTest program for one folder of tests/.

@@ -1,4 +1,5 @@
-// Errors are values: a code that is also the program's exit code, and one sentence for the user.
+// Errors are values: a code that is also the program's exit code, and one sentence for the user. Messages
+// quote paths and words of files as they are, which need not be UTF-8.
 #pragma once
 
 #include <array>
@@ -22,21 +23,19 @@ enum class ErrorCode {
   interrupted = 130
 };
 
-// What more is known of an error `unsolved`, where that decides what is tried next.
-enum class ErrorReason {
-  none,
-  exhausted,  // everything that could be a solution has been tried, so that another way finds none either
-  endless     // the work allowed was used up; nothing is known of what would have come of it
-};
+// Which limit of the RunContext it was, so that a program can say how to raise it.
+enum class Limit { none, time, memory };
 
 struct Error {
   ErrorCode code = ErrorCode::internal;
   std::string message;  // one sentence that tells the user what is wrong and what to do
   // Where, if it is in one place: in the coordinates of the geometry that the function was given.
   std::optional<std::array<double, 3>> place = std::nullopt;
-  ErrorReason reason = ErrorReason::none;
+  // Of `unsolved`: everything that could be a solution has been tried, so that another way finds none either.
+  bool exhausted = false;
   // Of `infeasible`: the proof. (None where a repair gave up, or a part of the surface is what has no mesh.)
   std::optional<Certificate> certificate = std::nullopt;
+  Limit limit = Limit::none;  // of ErrorCode::limit
 };
 
 // A value or an error. Check ok() before value(); taking the wrong one is a bug.

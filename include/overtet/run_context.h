@@ -1,5 +1,11 @@
-// What a stage needs to know about the run it is part of: when to stop, how many threads to use, whom
-// to tell. The library itself never prints, never exits and installs no signal handler.
+// What a function needs to know about the run it is part of: when to stop, how many threads to use, whom to
+// tell. A default RunContext has no limits, uses all cores and tells nobody. The library itself never prints,
+// never exits and installs no signal handler.
+//
+// A context is read by many threads while a run lasts; it and what it points to must stay as they are until
+// the call returns (`*cancel` may be set at any time). The functions in it are called by the thread that
+// called the library and by others, but never by two at once for one stage; they should return quickly and
+// must not throw.
 #pragma once
 
 #include <atomic>
@@ -7,6 +13,7 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "overtet/result.h"
@@ -21,7 +28,11 @@ struct RunContext {
   const std::atomic<bool>* cancel = nullptr;              // set by the caller to stop the run
   Clock::time_point deadline = Clock::time_point::max();  // wall-clock
   std::size_t memory_limit_bytes = 0;                     // of the whole process tree; 0: none
-  int threads = 0;                                        // 0: all cores
+  int threads = 0;                                        // 0: all cores; results do not depend on it
+  // The program overtet-tetgen, which runs TetGen in a process of its own. Empty: beside the running program,
+  // else where this installation has it.
+  std::string tetgen_helper;
+  // stage: for instance "improve"; fraction of it that is done, 0 to 1; detail: a few words, may be empty.
   std::function<void(std::string_view stage, double fraction, std::string_view detail)> progress;
   std::function<void(LogLevel, std::string_view)> log;
 
@@ -41,6 +52,9 @@ struct RunContext {
     if (log) log(level, message);
   }
 };
+
+// Resident memory of this process and its descendants: what memory_limit_bytes is compared with.
+std::size_t tree_resident_bytes();
 
 // What a process may use before the machine swaps or kills it, in bytes: the memory in use now and what
 // is free (/proc/meminfo), or what its control group allows if that is less. 0 where that is not known.

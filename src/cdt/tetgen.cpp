@@ -17,6 +17,7 @@
 #include <numeric>
 #include <string>
 
+#include "src/cdt/tetgen_helper.h"
 #include "src/cdt/tetgen_wire.h"
 
 extern char** environ;
@@ -43,23 +44,6 @@ double most_predicates(Eigen::Index facets) {
   return kMostPredicates + kMostPredicatesPerFacet * static_cast<double>(facets);
 }
 
-// Beside the running program, in the libexec folder of an installation, or where it was built.
-std::string child_program() {
-  std::string self(4096, '\0');
-  const ssize_t n = readlink("/proc/self/exe", self.data(), self.size());
-  if (n > 0) {
-    self.resize(static_cast<std::size_t>(n));
-    const std::string folder = self.substr(0, self.rfind('/'));
-    for (const std::string& path :
-         {folder + "/overtet-tetgen", folder + "/../libexec/overtet/overtet-tetgen"})
-      if (access(path.c_str(), X_OK) == 0) return path;
-  }
-#ifdef OVERTET_TETGEN_BUILT_AT
-  if (access(OVERTET_TETGEN_BUILT_AT, X_OK) == 0) return OVERTET_TETGEN_BUILT_AT;
-#endif
-  return {};
-}
-
 // The child and its socket; killed and reaped when this goes out of scope, whatever happened.
 class Child {
  public:
@@ -72,10 +56,8 @@ class Child {
   }
 
   Status start(const RunContext& context) {
-    const std::string program = child_program();
-    if (program.empty())
-      return Error{ErrorCode::internal,
-                   "The program overtet-tetgen was not found beside this program; reinstall Overtet."};
+    const Result<std::string> program = tetgen_helper(context);
+    if (!program) return program.error();
     int ends[2];
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) return system_error("socketpair");
     socket_ = ends[0];
@@ -110,7 +92,8 @@ class Child {
     posix_spawnattr_setflags(&attributes,
                              POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
     pid_t pid_of_child = -1;
-    const int failed = posix_spawn(&pid_of_child, program.c_str(), &actions, &attributes, argv, environ);
+    const int failed =
+        posix_spawn(&pid_of_child, program.value().c_str(), &actions, &attributes, argv, environ);
     posix_spawn_file_actions_destroy(&actions);
     posix_spawnattr_destroy(&attributes);
     close(ends[1]);
@@ -184,7 +167,9 @@ Error explain_end(int status, const RunContext& context) {
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
     if (context.memory_limit_bytes > 0 && signal == SIGKILL)
-      return Error{ErrorCode::limit, "TetGen was killed, most likely for lack of memory."};
+      return Error{.code = ErrorCode::limit,
+                   .message = "TetGen was killed, most likely for lack of memory.",
+                   .limit = Limit::memory};
     const char* name = signal == SIGSEGV   ? "a segmentation fault"
                        : signal == SIGABRT ? "an abort"
                        : signal == SIGFPE  ? "an arithmetic fault"
@@ -352,7 +337,7 @@ Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options
     case Outcome::done:
       break;
     case Outcome::out_of_memory:
-      return Error{ErrorCode::limit, "TetGen ran out of memory; allow more with --memory-limit."};
+      return Error{.code = ErrorCode::limit, .message = "TetGen ran out of memory.", .limit = Limit::memory};
     case Outcome::not_positive:
       return unsolved("TetGen made " + std::to_string(reply.count) + " tets without volume.");
     case Outcome::gave_up:
@@ -361,8 +346,7 @@ Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options
                           ? "TetGen found features below its tolerance."
                           : "TetGen gave up (its code " + std::to_string(reply.tetgen_code) + ").");
     case Outcome::endless:
-      return Error{ErrorCode::unsolved, "TetGen's flips did not come to an end.", std::nullopt,
-                   ErrorReason::endless};
+      return unsolved(kEndless);
     case Outcome::protocol:
       return Error{ErrorCode::internal, "overtet-tetgen did not understand its input."};
   }

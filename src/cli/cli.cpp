@@ -5,9 +5,9 @@
 #include <exception>
 #include <new>
 
+#include "overtet/version.h"
 #include "src/cli/commands.h"
 #include "src/cli/signals.h"
-#include "src/report/report.h"
 
 namespace overtet {
 
@@ -155,8 +155,15 @@ RunContext CommonOptions::context(Terminal& terminal) const {
   return c;
 }
 
+std::string with_hint(const Error& error) {
+  if (error.limit == Limit::none) return error.message;
+  std::string text = error.message;
+  if (!text.empty() && text.back() == '.') text.pop_back();
+  return text + "; allow more with " + (error.limit == Limit::time ? "--time-limit." : "--memory-limit.");
+}
+
 int fail(Terminal& terminal, const Error& error) {
-  terminal.error(error.message);
+  terminal.error(with_hint(error));
   return static_cast<int>(error.code);
 }
 

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "kernels/parallel/parallel.h"
+#include "overtet/version.h"
 #include "src/cli/commands.h"
 #include "src/cli/signals.h"
 #include "src/io/polylines_io.h"
@@ -354,7 +355,7 @@ int run(const InspectCommand& command, const CommonOptions& common, Terminal& te
   const RunContext context = common.context(terminal);
   const ScopedThreads threads(common.threads);
   Watchdog watchdog(context.deadline, context.memory_limit_bytes,
-                    [&](const Error& error) { terminal.error(error.message); });
+                    [&](const Error& error) { terminal.error(with_hint(error)); });
   SurfaceReadInfo info;
   const Result<Surface> surface = read_surface(command.input, &info);
   if (!surface) return fail(terminal, surface.error());

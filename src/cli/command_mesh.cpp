@@ -99,12 +99,12 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
   };
 
   Watchdog watchdog(context.deadline, context.memory_limit_bytes, [&](const Error& error) {
-    terminal.error(error.message);
+    terminal.error(with_hint(error));
     if (error.code == ErrorCode::interrupted) return;
     Report late;  // what the stages were doing is theirs; this thread only knows the options
     late.options = options;
     late.status = status_of(error.code);
-    late.message = error.message;
+    late.message = with_hint(error);
     late.seconds = seconds();
     (void)write_report(command.report, late).ok();
   });
@@ -123,6 +123,7 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
     o.resume = command.resume;
     result = run_pipeline(surface.value(), o, context);
     result.report.options = options;
+    if (!result.ok()) result.report.message = with_hint(result.error);
   } else {
     result.error = surface.error();
     result.report.status = status_of(result.error.code);

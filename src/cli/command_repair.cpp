@@ -32,7 +32,7 @@ int run(const RepairCommand& command, const CommonOptions& common, Terminal& ter
   const RunContext context = common.context(terminal);
   const ScopedThreads threads(common.threads);
   Watchdog watchdog(context.deadline, context.memory_limit_bytes,
-                    [&](const Error& error) { terminal.error(error.message); });
+                    [&](const Error& error) { terminal.error(with_hint(error)); });
   const Result<Surface> surface = read_surface(command.input);
   if (!surface) return fail(terminal, surface.error());
   PipelineOptions options;

@@ -14,7 +14,7 @@ int run(const VerifyCommand& command, const CommonOptions& common, Terminal& ter
   const RunContext context = common.context(terminal);
   const ScopedThreads threads(common.threads);
   Watchdog watchdog(context.deadline, context.memory_limit_bytes,
-                    [&](const Error& error) { terminal.error(error.message); });
+                    [&](const Error& error) { terminal.error(with_hint(error)); });
   SurfaceReadInfo info;
   const Result<Surface> surface = read_surface(command.surface, &info);
   if (!surface) return fail(terminal, surface.error());

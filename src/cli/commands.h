@@ -51,6 +51,9 @@ int run(const InspectCommand& command, const CommonOptions& common, Terminal& te
 int run(const RepairCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const VerifyCommand& command, const CommonOptions& common, Terminal& terminal);
 
+// The error's sentence, with the option that raises the limit where it is about one.
+std::string with_hint(const Error& error);
+
 // Says what went wrong and gives the exit code for it.
 int fail(Terminal& terminal, const Error& error);
 

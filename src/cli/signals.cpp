@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "src/run/run_monitor.h"
+#include "overtet/run_context.h"
 
 namespace overtet {
 
@@ -77,10 +77,12 @@ void Watchdog::watch() {
     if (longer(interrupted_at, kInterruptGrace))
       end = Error{ErrorCode::interrupted, "Interrupted; nothing was written."};
     else if (longer(deadline_, kDeadlineGrace))
-      end = Error{ErrorCode::limit, "The time limit was reached; allow more with --time-limit."};
+      end = Error{.code = ErrorCode::limit, .message = "The time limit was reached.", .limit = Limit::time};
     else if (longer(full_at, kMemoryGrace))
-      end = Error{ErrorCode::limit, "The memory limit of " + std::to_string(memory_limit_ >> 20) +
-                                        " MiB was reached; allow more with --memory-limit."};
+      end =
+          Error{.code = ErrorCode::limit,
+                .message = "The memory limit of " + std::to_string(memory_limit_ >> 20) + " MiB was reached.",
+                .limit = Limit::memory};
     if (end) {
       late_(*end);
       _exit(static_cast<int>(end->code));

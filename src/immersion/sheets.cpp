@@ -57,8 +57,7 @@ class Assigner {
         const std::size_t refused = refused_.size();
         if (auto error = glue()) {
           if (error->code != ErrorCode::unsolved || torn_) return *error;
-          failure->reason =
-              all && round == 0 && !cut_short_ && !in_doubt_ ? ErrorReason::exhausted : ErrorReason::none;
+          failure->exhausted = all && round == 0 && !cut_short_ && !in_doubt_;
           break;
         }
         if (refused_.size() == refused) return std::move(out_);

@@ -160,7 +160,7 @@ Result<TetFormat> tet_format_of(const std::string& path) {
   if (e == ".node" || e == ".ele") return TetFormat::tetgen;
   return Error{ErrorCode::usage,
                "The format of " + path +
-                   " cannot be told from its name: use .mesh, .msh, .vtu or .node, or --format."};
+                   " cannot be told from its name: use .mesh, .msh, .vtu or .node, or name the format."};
 }
 
 Status write_tets(const std::string& path, const TetMesh& mesh, TetFormat format) {

@@ -225,12 +225,12 @@ Status Run::try_routes() {
     }
     if (!repaired_)
       if (Status s = look_closer(); !s) return s;
-    if (e.reason == ErrorReason::exhausted)
+    if (e.exhausted)
       return Error{ErrorCode::unsolved,
                    "No tet mesh was found: " + e.message +
                        " All gluings have been tried, with all edges wound that could be, so no other way "
                        "would find one.",
-                   e.place, ErrorReason::exhausted};
+                   e.place, true};
     told += (told.empty() ? "" : " ") + std::string("Route ") + route.name + ": " + e.message;
   }
   if (!found_.diagnosis.wound.complete()) told = found_.diagnosis.wound.explanation + " " + told;
@@ -330,7 +330,7 @@ TetMesh Run::improved(const TetMesh& mesh) {
     if (!r) return r.error();
     const ImproveResult& x = r.value();
     if (x.end == ImproveResult::End::time_over)
-      context_.note(LogLevel::warning, "The quality pass ended early: allow more with --time-limit.");
+      context_.note(LogLevel::warning, "The quality pass ended early, at the time limit.");
     record.iterations = static_cast<std::int64_t>(x.passes.size());
     ImprovePass all;
     for (const ImprovePass& pass : x.passes) {

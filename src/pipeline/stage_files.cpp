@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "overtet/version.h"
 #include "src/io/file.h"
 #include "src/io/surface_io.h"
 #include "src/io/tet_io.h"
@@ -44,7 +45,7 @@ Result<StageFiles> StageFiles::open(const std::string& folder, const std::string
   const Json j = Json::parse(text.value(), nullptr, false);
   if (!j.is_object() || !j.contains("input_hash") || !j["input_hash"].is_string() || !j.contains("version") ||
       !j["version"].is_string() || !j.contains("stages") || !j["stages"].is_array())
-    return Error{ErrorCode::bad_input, index_of(folder) + " was not written by --save-stages."};
+    return Error{ErrorCode::bad_input, index_of(folder) + " is not a record of saved stages."};
   if (j["version"].get<std::string>() != version())
     return Error{ErrorCode::bad_input, "The stages in " + folder + " come from Overtet " +
                                            j["version"].get<std::string>() + ", this is " + version() + "."};

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "overtet/version.h"
+
 namespace overtet {
 
 namespace {
@@ -117,8 +119,6 @@ const char* name_of(RunStatus status) {
   }
   return "failed";
 }
-
-std::string version() { return OVERTET_VERSION; }
 
 std::string to_json(const Report& r) {
   Json j;

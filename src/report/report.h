@@ -81,7 +81,6 @@ struct Report {
   std::string result_hash;  // of the vertices and tets, empty without a result
 };
 
-std::string version();                      // of Overtet
 std::string to_json(const Report& report);  // indented, with a line end
 
 // The report's "witness", for who prints it elsewhere; no line end.

@@ -39,7 +39,7 @@ std::optional<Error> RunContext::stop() const {
   if (cancel && cancel->load(std::memory_order_relaxed))
     return Error{ErrorCode::interrupted, "Interrupted; nothing was written."};
   if (deadline != Clock::time_point::max() && Clock::now() >= deadline)
-    return Error{ErrorCode::limit, "The time limit was reached; allow more with --time-limit."};
+    return Error{.code = ErrorCode::limit, .message = "The time limit was reached.", .limit = Limit::time};
   return std::nullopt;
 }
 
@@ -47,9 +47,10 @@ std::optional<Error> RunContext::no_room_for(std::size_t bytes) const {
   if (memory_limit_bytes == 0) return std::nullopt;
   const std::size_t now = resident_bytes();
   if (now + bytes <= memory_limit_bytes) return std::nullopt;
-  return Error{ErrorCode::limit, "The memory limit of " + mebibytes(memory_limit_bytes) +
-                                     " would be passed (" + mebibytes(now) + " in use, " + mebibytes(bytes) +
-                                     " more needed); allow more with --memory-limit."};
+  return Error{.code = ErrorCode::limit,
+               .message = "The memory limit of " + mebibytes(memory_limit_bytes) + " would be passed (" +
+                          mebibytes(now) + " in use, " + mebibytes(bytes) + " more needed).",
+               .limit = Limit::memory};
 }
 
 std::size_t usable_memory_bytes() {

@@ -107,8 +107,9 @@ std::size_t RunMonitor::peak_bytes() const {
 Error RunMonitor::explained(Error error) const {
   if (error.code == ErrorCode::interrupted && memory_exceeded_ &&
       !(outer_cancel_ && outer_cancel_->load(std::memory_order_relaxed)))
-    return {ErrorCode::limit, "The memory limit of " + std::to_string(limit_ >> 20) +
-                                  " MiB was reached; allow more with --memory-limit."};
+    return {.code = ErrorCode::limit,
+            .message = "The memory limit of " + std::to_string(limit_ >> 20) + " MiB was reached.",
+            .limit = Limit::memory};
   return error;
 }
 

@@ -12,9 +12,6 @@
 
 namespace overtet {
 
-// Resident memory of this process and its descendants.
-std::size_t tree_resident_bytes();
-
 class RunMonitor {
  public:
   // Starts watching. `outer.cancel` is followed; the limit is outer.memory_limit_bytes.

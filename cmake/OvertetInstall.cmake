@@ -1,0 +1,35 @@
+# install(): headers, libovertet, the package for find_package(overtet CONFIG), overtet.pc, the program, and its
+# helper in libexec. All of it can be moved to another prefix as a whole; a program that links the static library
+# then says where the helper is (RunContext::tetgen_helper).
+include(CMakePackageConfigHelpers)
+
+set(OVERTET_HELPER_DIR ${CMAKE_INSTALL_LIBEXECDIR}/overtet)
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/overtet)
+
+install(TARGETS overtet RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+install(TARGETS overtet-tetgen RUNTIME DESTINATION ${OVERTET_HELPER_DIR} COMPONENT program)
+install(TARGETS overtet_library EXPORT overtet
+  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
+  LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT program NAMELINK_COMPONENT development)
+install(DIRECTORY ${CMAKE_SOURCE_DIR}/include/overtet DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+  COMPONENT development FILES_MATCHING PATTERN "*.h")
+
+install(EXPORT overtet NAMESPACE overtet:: FILE overtet-targets.cmake DESTINATION ${package_dir}
+  COMPONENT development)
+configure_package_config_file(cmake/overtet-config.cmake.in ${CMAKE_BINARY_DIR}/package/overtet-config.cmake
+  INSTALL_DESTINATION ${package_dir} PATH_VARS OVERTET_HELPER_DIR)
+write_basic_package_version_file(${CMAKE_BINARY_DIR}/package/overtet-config-version.cmake
+  COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_BINARY_DIR}/package/overtet-config.cmake
+              ${CMAKE_BINARY_DIR}/package/overtet-config-version.cmake
+  DESTINATION ${package_dir} COMPONENT development)
+
+file(RELATIVE_PATH OVERTET_PREFIX_FROM_PC ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
+set(OVERTET_PC_LIBS "-L\${libdir} -lovertet")
+set(OVERTET_PC_STATIC_LIBS "-lcholmod -ltbb -lmpfr -lgmp -ldl -pthread")
+if(NOT OVERTET_SHARED)  # then everybody links what it needs
+  string(APPEND OVERTET_PC_LIBS " ${OVERTET_PC_STATIC_LIBS}")
+endif()
+configure_file(cmake/overtet.pc.in ${CMAKE_BINARY_DIR}/package/overtet.pc @ONLY)
+install(FILES ${CMAKE_BINARY_DIR}/package/overtet.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
+  COMPONENT development)
