@@ -23,6 +23,13 @@ enum class ErrorCode {
   interrupted = 130
 };
 
+// What more is known of an error `unsolved`, where that decides what is tried next.
+enum class ErrorReason {
+  none,
+  exhausted,  // everything that could be a solution has been tried, so that another way finds none either
+  endless     // the work allowed was used up; nothing is known of what would have come of it
+};
+
 // Which limit of the RunContext it was, so that a program can say how to raise it.
 enum class Limit { none, time, memory };
 
@@ -31,8 +38,7 @@ struct Error {
   std::string message;  // one sentence that tells the user what is wrong and what to do
   // Where, if it is in one place: in the coordinates of the geometry that the function was given.
   std::optional<std::array<double, 3>> place = std::nullopt;
-  // Of `unsolved`: everything that could be a solution has been tried, so that another way finds none either.
-  bool exhausted = false;
+  ErrorReason reason = ErrorReason::none;
   // Of `infeasible`: the proof. (None where a repair gave up, or a part of the surface is what has no mesh.)
   std::optional<Certificate> certificate = std::nullopt;
   Limit limit = Limit::none;  // of ErrorCode::limit

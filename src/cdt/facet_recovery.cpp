@@ -38,7 +38,7 @@ class Attempts {
   // Of one more attempt, at so many facets.
   Result<TetgenResult> count(Eigen::Index facets, Result<TetgenResult> result) {
     facets_ -= static_cast<double>(facets);
-    if (!result && result.error().message == kEndless) ++endless_, any_endless_ = true;
+    if (!result && result.error().reason == ErrorReason::endless) ++endless_, any_endless_ = true;
     return result;
   }
 

@@ -346,7 +346,8 @@ Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options
                           ? "TetGen found features below its tolerance."
                           : "TetGen gave up (its code " + std::to_string(reply.tetgen_code) + ").");
     case Outcome::endless:
-      return unsolved(kEndless);
+      return Error{ErrorCode::unsolved, "TetGen's flips did not come to an end.", std::nullopt,
+                   ErrorReason::endless};
     case Outcome::protocol:
       return Error{ErrorCode::internal, "overtet-tetgen did not understand its input."};
   }

@@ -63,11 +63,9 @@ bool worth_refining(const VertexMatrix& V, const TriangleMatrix& F);
 // accept_unused); with keep_facets and without accept_split, `facets` are the input's facets (as vertex
 // sets), each once. Errors: usage (options), bad_input (indices, infinite coordinates, equal vertices: the
 // message names them), limit / interrupted (as the context says; the child is killed), unsolved (TetGen
-// crashed, gave up or lost something; the message says which), internal (the child program is missing).
+// crashed, gave up or lost something; the message says which; ErrorReason::endless where it was given up, and
+// might do with more patience), internal (the child program is missing).
 Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options, const RunContext& context);
-
-// What the error says where TetGen was given up: with more patience it might do.
-constexpr const char* kEndless = "TetGen's flips did not come to an end.";
 
 // The same, several times where TetGen fails. Whether it finds its way through nearly degenerate facets
 // depends on the order in which it sees the points, too, so the attempts turn the axes and shuffle the points

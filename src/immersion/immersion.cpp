@@ -162,8 +162,8 @@ Result<ImmersionResult> immerse(const Surface& surface, const std::vector<FacePa
     if (result || result.error().code != ErrorCode::unsolved) return result;
     Error error = result.error();
     // Only without a tolerance is it the surface itself that has been tried.
-    if (tolerance > 0) error.exhausted = false;
-    if (error.exhausted) return error;
+    if (tolerance > 0) error.reason = ErrorReason::none;
+    if (error.reason == ErrorReason::exhausted) return error;
     if (!failure || tolerance == 0) failure = std::move(error);
   }
   return *failure;

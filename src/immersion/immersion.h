@@ -49,7 +49,8 @@ struct ImmersionResult {
 };
 
 // pairs: all intersecting pairs of faces; wound: src/covering/wound_edges.h.
-// Errors: unsolved (with the place, and `exhausted` where no way of gluing is left), limit, interrupted.
+// Errors: unsolved (with the place, and ErrorReason::exhausted where no way of gluing is left), limit,
+// interrupted.
 Result<ImmersionResult> immerse(const Surface& surface, const std::vector<std::pair<Index, Index>>& pairs,
                                 std::span<const WoundEdge> wound, const ImmersionOptions& options,
                                 const RunContext& context);

@@ -57,7 +57,8 @@ class Assigner {
         const std::size_t refused = refused_.size();
         if (auto error = glue()) {
           if (error->code != ErrorCode::unsolved || torn_) return *error;
-          failure->exhausted = all && round == 0 && !cut_short_ && !in_doubt_;
+          failure->reason =
+              all && round == 0 && !cut_short_ && !in_doubt_ ? ErrorReason::exhausted : ErrorReason::none;
           break;
         }
         if (refused_.size() == refused) return std::move(out_);

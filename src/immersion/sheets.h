@@ -68,7 +68,7 @@ struct Sheets {
 
 // pre: tets meshes the arrangement (keep_facets), facet markers are arrangement triangle + 1.
 // Errors: unsolved when a cell's winding number is negative, or when there is no gluing, with the place where
-// the search got farthest; `exhausted` when all wound edges and all gluings have been tried.
+// the search got farthest; ErrorReason::exhausted when all wound edges and all gluings have been tried.
 Result<Sheets> assign_sheets(const Surface& surface, const Arrangement& arrangement, const TetgenResult& tets,
                              std::span<const WoundEdge> wound, const RunContext& context);
 

@@ -225,12 +225,12 @@ Status Run::try_routes() {
     }
     if (!repaired_)
       if (Status s = look_closer(); !s) return s;
-    if (e.exhausted)
+    if (e.reason == ErrorReason::exhausted)
       return Error{ErrorCode::unsolved,
                    "No tet mesh was found: " + e.message +
                        " All gluings have been tried, with all edges wound that could be, so no other way "
                        "would find one.",
-                   e.place, true};
+                   e.place, ErrorReason::exhausted};
     told += (told.empty() ? "" : " ") + std::string("Route ") + route.name + ": " + e.message;
   }
   if (!found_.diagnosis.wound.complete()) told = found_.diagnosis.wound.explanation + " " + told;

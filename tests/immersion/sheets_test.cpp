@@ -195,7 +195,8 @@ TEST(Sheets, NoGluingWhereHingesCannotBePaired) {
       EXPECT_EQ(gluing_of(p).verdict, GluingVerdict::open) << "seed " << seed;
       ++glued;
     } else {
-      EXPECT_TRUE(sheets.error().exhausted) << "seed " << seed << ": " << sheets.error().message;
+      EXPECT_EQ(sheets.error().reason, ErrorReason::exhausted)
+          << "seed " << seed << ": " << sheets.error().message;
       EXPECT_TRUE(sheets.error().place.has_value()) << "seed " << seed;
       unpaired += says_no;
     }
@@ -256,7 +257,7 @@ TEST(Sheets, SearchOfADeepCoverIsGivenUp) {
   const Result<Sheets> sheets = sheets_of(p);
   ASSERT_FALSE(sheets.ok());
   EXPECT_EQ(sheets.error().code, ErrorCode::unsolved);
-  EXPECT_FALSE(sheets.error().exhausted);
+  EXPECT_NE(sheets.error().reason, ErrorReason::exhausted);
 }
 
 // Elbows whose hinges can all be filled, one by one, but not at once: the search sees everything in vain, and
@@ -273,7 +274,7 @@ TEST(Sheets, ConflictsOfCurvesHaveNoGluing) {
     ASSERT_EQ(p.diagnosis.verdict, Verdict::feasible);
     const Result<Sheets> sheets = sheets_of(p);
     ASSERT_FALSE(sheets.ok());
-    EXPECT_TRUE(sheets.error().exhausted);
+    EXPECT_EQ(sheets.error().reason, ErrorReason::exhausted);
     const GluingAnswer answer = gluing_of(p);
     EXPECT_EQ(answer.verdict, GluingVerdict::conflict) << answer.message;
     EXPECT_GE(answer.crossings.size() + answer.edges.size(), 1U);

@@ -173,7 +173,7 @@ TEST(TetgenStubborn, AttemptsAreCounted) {
   EXPECT_FALSE(few.any_endless());
 
   Attempts attempts(TetgenOptions{});
-  const Error endless{ErrorCode::unsolved, kEndless};
+  const Error endless{ErrorCode::unsolved, "", std::nullopt, ErrorReason::endless};
   for (int i = 0; i < kMostEndless; ++i) {
     EXPECT_TRUE(attempts.another_order());
     EXPECT_FALSE(attempts.count(1, endless).ok());
