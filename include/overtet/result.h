@@ -23,15 +23,14 @@ enum class ErrorCode {
   interrupted = 130
 };
 
-// What more is known of an error `unsolved`, where that decides what is tried next.
+// What more is known of an error, where that decides what is tried or advised next.
 enum class ErrorReason {
   none,
-  exhausted,  // everything that could be a solution has been tried, so that another way finds none either
-  endless     // the work allowed was used up; nothing is known of what would have come of it
+  exhausted,    // of `unsolved`: everything that could be a solution has been tried; no other way finds one
+  endless,      // of `unsolved`: the work allowed was used up; nothing is known of what would have come of it
+  time_limit,   // of `limit`: the context's deadline
+  memory_limit  // of `limit`: the context's memory_limit_bytes
 };
-
-// Which limit of the RunContext it was, so that a program can say how to raise it.
-enum class Limit { none, time, memory };
 
 struct Error {
   ErrorCode code = ErrorCode::internal;
@@ -41,7 +40,6 @@ struct Error {
   ErrorReason reason = ErrorReason::none;
   // Of `infeasible`: the proof. (None where a repair gave up, or a part of the surface is what has no mesh.)
   std::optional<Certificate> certificate = std::nullopt;
-  Limit limit = Limit::none;  // of ErrorCode::limit
 };
 
 // A value or an error. Check ok() before value(); taking the wrong one is a bug.

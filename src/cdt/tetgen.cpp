@@ -169,7 +169,7 @@ Error explain_end(int status, const RunContext& context) {
     if (context.memory_limit_bytes > 0 && signal == SIGKILL)
       return Error{.code = ErrorCode::limit,
                    .message = "TetGen was killed, most likely for lack of memory.",
-                   .limit = Limit::memory};
+                   .reason = ErrorReason::memory_limit};
     const char* name = signal == SIGSEGV   ? "a segmentation fault"
                        : signal == SIGABRT ? "an abort"
                        : signal == SIGFPE  ? "an arithmetic fault"
@@ -337,7 +337,9 @@ Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options
     case Outcome::done:
       break;
     case Outcome::out_of_memory:
-      return Error{.code = ErrorCode::limit, .message = "TetGen ran out of memory.", .limit = Limit::memory};
+      return Error{.code = ErrorCode::limit,
+                   .message = "TetGen ran out of memory.",
+                   .reason = ErrorReason::memory_limit};
     case Outcome::not_positive:
       return unsolved("TetGen made " + std::to_string(reply.count) + " tets without volume.");
     case Outcome::gave_up:

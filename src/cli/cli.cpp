@@ -156,10 +156,11 @@ RunContext CommonOptions::context(Terminal& terminal) const {
 }
 
 std::string with_hint(const Error& error) {
-  if (error.limit == Limit::none) return error.message;
+  const bool time = error.reason == ErrorReason::time_limit;
+  if (!time && error.reason != ErrorReason::memory_limit) return error.message;
   std::string text = error.message;
   if (!text.empty() && text.back() == '.') text.pop_back();
-  return text + "; allow more with " + (error.limit == Limit::time ? "--time-limit." : "--memory-limit.");
+  return text + "; allow more with " + (time ? "--time-limit." : "--memory-limit.");
 }
 
 int fail(Terminal& terminal, const Error& error) {

@@ -77,12 +77,14 @@ void Watchdog::watch() {
     if (longer(interrupted_at, kInterruptGrace))
       end = Error{ErrorCode::interrupted, "Interrupted; nothing was written."};
     else if (longer(deadline_, kDeadlineGrace))
-      end = Error{.code = ErrorCode::limit, .message = "The time limit was reached.", .limit = Limit::time};
+      end = Error{.code = ErrorCode::limit,
+                  .message = "The time limit was reached.",
+                  .reason = ErrorReason::time_limit};
     else if (longer(full_at, kMemoryGrace))
       end =
           Error{.code = ErrorCode::limit,
                 .message = "The memory limit of " + std::to_string(memory_limit_ >> 20) + " MiB was reached.",
-                .limit = Limit::memory};
+                .reason = ErrorReason::memory_limit};
     if (end) {
       late_(*end);
       _exit(static_cast<int>(end->code));

@@ -39,7 +39,9 @@ std::optional<Error> RunContext::stop() const {
   if (cancel && cancel->load(std::memory_order_relaxed))
     return Error{ErrorCode::interrupted, "Interrupted; nothing was written."};
   if (deadline != Clock::time_point::max() && Clock::now() >= deadline)
-    return Error{.code = ErrorCode::limit, .message = "The time limit was reached.", .limit = Limit::time};
+    return Error{.code = ErrorCode::limit,
+                 .message = "The time limit was reached.",
+                 .reason = ErrorReason::time_limit};
   return std::nullopt;
 }
 
@@ -50,7 +52,7 @@ std::optional<Error> RunContext::no_room_for(std::size_t bytes) const {
   return Error{.code = ErrorCode::limit,
                .message = "The memory limit of " + mebibytes(memory_limit_bytes) + " would be passed (" +
                           mebibytes(now) + " in use, " + mebibytes(bytes) + " more needed).",
-               .limit = Limit::memory};
+               .reason = ErrorReason::memory_limit};
 }
 
 std::size_t usable_memory_bytes() {

@@ -109,7 +109,7 @@ Error RunMonitor::explained(Error error) const {
       !(outer_cancel_ && outer_cancel_->load(std::memory_order_relaxed)))
     return {.code = ErrorCode::limit,
             .message = "The memory limit of " + std::to_string(limit_ >> 20) + " MiB was reached.",
-            .limit = Limit::memory};
+            .reason = ErrorReason::memory_limit};
   return error;
 }
 
