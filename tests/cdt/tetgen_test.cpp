@@ -202,7 +202,7 @@ TEST(Tetgen, StopsForCancelDeadlineAndMemory) {
   TetgenOptions options;
   options.radius_edge = 1.1;
   RunContext context;
-  context.deadline = RunContext::Clock::now() + std::chrono::milliseconds(100);
+  context.deadline = RunContext::Clock::now();  // over by the time anybody looks
   auto r = tetrahedralize(plc_of(s), options, context);
   ASSERT_FALSE(r.ok());
   EXPECT_EQ(ErrorCode::limit, r.error().code);
@@ -210,11 +210,14 @@ TEST(Tetgen, StopsForCancelDeadlineAndMemory) {
   std::atomic<bool> cancel = false;
   context = {};
   context.cancel = &cancel;
+  // In the middle of the work: when the child is there (or has been: `over`).
+  std::atomic<bool> over = false;
   std::thread canceller([&] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    while (!over && children_of(getpid()).empty()) std::this_thread::yield();
     cancel = true;
   });
   r = tetrahedralize(plc_of(s), options, context);
+  over = true;
   canceller.join();
   ASSERT_FALSE(r.ok());
   EXPECT_EQ(ErrorCode::interrupted, r.error().code);
