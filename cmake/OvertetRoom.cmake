@@ -29,14 +29,19 @@ function(overtet_room name)
   set_property(GLOBAL APPEND PROPERTY OVERTET_OBJECTS $<TARGET_OBJECTS:overtet_${name}>)
 endfunction()
 
-# overtet_test(NAME SOURCES ... LINKS ...): one GoogleTest program for one folder of tests/.
+# overtet_test(NAME [SLOW] SOURCES ... LINKS ...): one GoogleTest program for one folder of tests/. Its tests have
+# the label fast, or slow where the folder takes more than ten seconds.
 function(overtet_test name)
-  cmake_parse_arguments(T "" "" "SOURCES;LINKS" ${ARGN})
+  cmake_parse_arguments(T "SLOW" "" "SOURCES;LINKS" ${ARGN})
+  set(label fast)
+  if(T_SLOW)
+    set(label slow)
+  endif()
   add_executable(test_${name} ${T_SOURCES})
   target_include_directories(test_${name} PRIVATE ${CMAKE_SOURCE_DIR})
   target_link_libraries(test_${name} PRIVATE ${T_LINKS} overtet_test_support GTest::gtest_main)
   # Tests need not be fast, but quick to build. -O1 gives the same numbers as -O3.
   target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   target_precompile_headers(test_${name} REUSE_FROM overtet_test_support)
-  gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
+  gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300 LABELS ${label})
 endfunction()

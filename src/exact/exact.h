@@ -1,4 +1,5 @@
-// For .cpp files only (gmp stays out of other headers): points and directions in rational numbers, and exact rays.
+// For .cpp files only (gmp stays out of other headers): points and directions in rational numbers, and exact
+// rays.
 #pragma once
 
 #include <gmpxx.h>

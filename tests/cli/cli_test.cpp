@@ -17,6 +17,7 @@
 #include "tests/support/models.h"
 #include "tests/support/noise.h"
 #include "tests/support/process.h"
+#include "tests/support/reports.h"
 
 namespace overtet {
 namespace {
@@ -28,6 +29,8 @@ using test::TemporaryFolder;
 
 class Cli : public ::testing::Test {
  protected:
+  // Every report that a test has made is a valid one.
+  void TearDown() override { EXPECT_EQ(test::wrong_with_reports(test::reports_in(folder_.path())), ""); }
   std::string save(const std::string& name, const Surface& s) {
     const std::string path = folder_.file(name);
     EXPECT_TRUE(write_surface(path, s, surface_format_of(path).value()).ok());
@@ -107,6 +110,24 @@ TEST_F(Cli, MeshesACleanSurface) {
   const ShellResult quiet = run("mesh " + in + " -q -o " + folder_.file("o.vtu"));
   EXPECT_EQ(quiet.exit_code, 0);
   EXPECT_EQ(quiet.err, "");
+}
+
+TEST_F(Cli, AReportThatIsNotValidIsNoticed) {
+  const TemporaryFolder folder;
+  const std::string in = save("a.off", test::sphere(1)), path = folder.file("r.json");
+  ASSERT_EQ(run("mesh " + in + " -o " + folder_.file("o.mesh") + " --report " + path).exit_code, 0);
+  ASSERT_EQ(test::wrong_with_reports(test::reports_in(folder.path())), "");
+  const json good = json::parse(test::read_text(path));
+  for (const char* key : {"status", "stages", "quality", "result_hash"}) {
+    json bad = good;
+    bad.erase(key);
+    test::write_text(path, bad.dump());
+    EXPECT_NE(test::wrong_with_reports({path}), "") << "without " << key;
+  }
+  json bad = good;
+  bad["status"] = "infeasible";  // without a witness
+  test::write_text(path, bad.dump());
+  EXPECT_NE(test::wrong_with_reports({path}), "");
 }
 
 TEST_F(Cli, EveryFormatIsAccepted) {
