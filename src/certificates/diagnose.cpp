@@ -33,17 +33,6 @@ std::string count(std::size_t n, const char* one, const char* many) {
   return std::to_string(n) + " " + (n == 1 ? one : many);
 }
 
-void measure_components(const Surface& surface, Diagnosis& d) {
-  d.component_volume.assign(d.topology.topology.components.size(), 0);
-  const Eigen::RowVector3d centre = surface.V.colwise().mean();
-  for (Index f = 0; f < surface.F.rows(); ++f) {
-    const Eigen::RowVector3d a = surface.V.row(surface.F(f, 0)) - centre,
-                             b = surface.V.row(surface.F(f, 1)) - centre,
-                             c = surface.V.row(surface.F(f, 2)) - centre;
-    d.component_volume[d.topology.topology.component_of_face[f]] += a.dot(b.cross(c)) / 6;
-  }
-}
-
 void count_shared(const Surface& surface, Diagnosis& d) {
   for (const auto& [f, g] : d.pairs) {
     int shared = 0;
@@ -210,7 +199,7 @@ Result<Diagnosis> diagnose(const Surface& surface, const DiagnoseOptions& option
   if (auto stop = context.stop()) return *stop;
   context.report("diagnose", 0.1, "looking for faces that intersect");
   const SurfaceTopology& topology = d.topology.topology;
-  measure_components(surface, d);
+  d.component_volume = component_volumes(surface, topology);
   auto bvh = std::make_shared<TriangleBvh>();
   {
     const Stopwatch time(d.times.pairs);
@@ -259,6 +248,18 @@ Result<Diagnosis> diagnose(const Surface& surface, const DiagnoseOptions& option
   advise(d);
   context.report("diagnose", 1, d.message);
   return d;
+}
+
+std::vector<double> component_volumes(const Surface& surface, const SurfaceTopology& topology) {
+  std::vector<double> volume(topology.components.size(), 0);
+  const Eigen::RowVector3d centre = surface.V.colwise().mean();
+  for (Index f = 0; f < surface.F.rows(); ++f) {
+    const Eigen::RowVector3d a = surface.V.row(surface.F(f, 0)) - centre,
+                             b = surface.V.row(surface.F(f, 1)) - centre,
+                             c = surface.V.row(surface.F(f, 2)) - centre;
+    volume[topology.component_of_face[f]] += a.dot(b.cross(c)) / 6;
+  }
+  return volume;
 }
 
 std::optional<Error> refuse(const Diagnosis& d) {

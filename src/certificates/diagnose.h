@@ -48,6 +48,8 @@ struct DiagnosisTimes {  // seconds of wall time
   double topology = 0, pairs = 0, hinges = 0, winding = 0, wound_edges = 0;
 };
 
+// What is wrong with the topology, or with a face, ends the diagnosis: the verdict is bad_input then, and
+// what follows `degenerate_faces` is empty, like component_volume.
 struct Diagnosis {
   Verdict verdict = Verdict::bad_input;
   std::string message;  // one sentence: why the verdict
@@ -68,8 +70,9 @@ struct Diagnosis {
   WoundEdges wound;
   std::vector<std::string> advice;  // sentences for a person
   DiagnosisTimes times;
-  std::shared_ptr<const TriangleBvh> bvh;  // of the surface as it is; null when the topology is not fine
+  std::shared_ptr<const TriangleBvh> bvh;  // of the surface as it is; null when the diagnosis ended early
 
+  bool complete() const { return bvh != nullptr; }
   int genus() const {
     int sum = 0;
     for (const SurfaceComponent& c : topology.topology.components) sum += c.genus;
@@ -79,6 +82,9 @@ struct Diagnosis {
 
 // Errors: limit or interrupted only. What is wrong with the surface is in the diagnosis.
 Result<Diagnosis> diagnose(const Surface& surface, const DiagnoseOptions& options, const RunContext& context);
+
+// Diagnosis::component_volume. pre: the topology is fine.
+std::vector<double> component_volumes(const Surface& surface, const SurfaceTopology& topology);
 
 // What `overtet mesh` must answer at once, if anything: bad_input (3) or infeasible (5) with the message.
 std::optional<Error> refuse(const Diagnosis& diagnosis);

@@ -61,10 +61,13 @@ std::vector<Part> find_parts(const Surface& surface, const Diagnosis& d) {
   std::vector<Box> boxes(n);
   for (Index f = 0; f < surface.F.rows(); ++f)
     for (int k = 0; k < 3; ++k) boxes[topology.component_of_face[f]].add(surface.V.row(surface.F(f, k)));
+  // A diagnosis that ended early has not measured them.
+  const std::vector<double> volume =
+      d.component_volume.size() == n ? d.component_volume : component_volumes(surface, topology);
   std::vector<Index> part_of(n, -1);
   std::vector<Part> parts;
   for (std::size_t c = 0; c < n; ++c)
-    if (d.component_volume[c] > 0) {
+    if (volume[c] > 0) {
       part_of[c] = static_cast<Index>(parts.size());
       parts.push_back({{static_cast<Index>(c)}, boxes[c]});
     }
@@ -72,7 +75,7 @@ std::vector<Part> find_parts(const Surface& surface, const Diagnosis& d) {
     if (part_of[c] >= 0) continue;
     Index around = -1;
     for (std::size_t o = 0; o < n; ++o)
-      if (d.component_volume[o] > 0 && boxes[o].contains(boxes[c]) &&
+      if (volume[o] > 0 && boxes[o].contains(boxes[c]) &&
           (around < 0 || boxes[o].size() < boxes[around].size()))
         around = static_cast<Index>(o);
     if (around < 0) return {};
@@ -264,7 +267,7 @@ class PartsMesher {
 }  // namespace
 
 bool is_plain(const Diagnosis& d) {
-  return d.pairs.empty() && d.winding.min == 0 && d.winding.max == 1 &&
+  return d.complete() && d.pairs.empty() && d.winding.min == 0 && d.winding.max == 1 &&
          std::all_of(d.component_volume.begin(), d.component_volume.end(), [](double v) { return v > 0; });
 }
 

@@ -151,7 +151,7 @@ class Balls {
 
 std::optional<LeastMove> least_move(const Surface& surface, const Diagnosis& diagnosis,
                                     const RunContext& context) {
-  if (!diagnosis.bvh || diagnosis.winding.negative_at.empty()) return std::nullopt;
+  if (!diagnosis.complete() || diagnosis.winding.negative_at.empty()) return std::nullopt;
   return Balls(surface, diagnosis).run(context);
 }
 

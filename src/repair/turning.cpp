@@ -299,7 +299,7 @@ class PartFinder {
 
 std::vector<InsideOutPart> inside_out_parts(const Surface& surface, const Diagnosis& diagnosis,
                                             const RunContext& context) {
-  if (!diagnosis.bvh) return {};
+  if (!diagnosis.complete()) return {};
   return PartFinder(surface, diagnosis, context).run();
 }
 

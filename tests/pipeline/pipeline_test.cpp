@@ -240,6 +240,31 @@ TEST(Pipeline, RepairsWhenAsked) {
   EXPECT_EQ(untouched.report.moved_vertices, 0);
 }
 
+// A face without area ends the diagnosis before the components are measured, by which they are told apart.
+TEST(Pipeline, RepairCrashedOnSeveralComponentsWithAFaceWithoutArea) {
+  PipelineOptions options;
+  options.on_infeasible = OnInfeasible::repair;
+  Surface flat = test::box(2);  // one corner of a face on the opposite edge of another
+  const Eigen::RowVector3i f = flat.F.row(4);
+  flat.V.row(f[0]) = 0.5 * (flat.V.row(f[1]) + flat.V.row(f[2]));
+  const Surface far = test::transformed(flat, Eigen::Matrix3d::Identity(), {10, 0, 0}),
+                ball = test::sphere(1, 0.5, {5, 0, 0}), around = test::sphere(1, 3, {0.5, 0.5, 0.5});
+  for (const Surface& s : {test::joined(flat, far), test::joined(flat, ball), test::joined(around, flat),
+                           test::joined(flat, test::flipped(ball))}) {
+    const PipelineResult r = run(s, options);
+    if (!r.ok()) {
+      EXPECT_TRUE(r.exit_code() == 3 || r.exit_code() == 5) << r.exit_code();
+      EXPECT_FALSE(r.report.message.empty());
+      continue;
+    }
+    EXPECT_EQ(r.report.status, RunStatus::repaired);
+    VerifyOptions moved;
+    moved.max_move = 1.0001 * r.report.max_relative_move;
+    const VerifyResult v = verify(s, r.mesh, moved);
+    EXPECT_TRUE(v.ok()) << v.summary();
+  }
+}
+
 // Copies next to each other, each covering what is around the other one, and a part that needs no repair.
 TEST(Pipeline, RepairsPartsByThemselves) {
   PipelineOptions options;
