@@ -4,6 +4,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <initializer_list>
 
 #include "kernels/parallel/counts.h"
 
@@ -120,7 +121,14 @@ int sign_of(const Rational& x) {
   return s == CGAL::ZERO ? 0 : s == CGAL::POSITIVE ? 1 : -1;
 }
 
+// Rational numbers of what is not finite end the program.
+bool finite(std::initializer_list<double> numbers) {
+  return std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
+}
+
 int orient3d_rational(const double* a, const double* b, const double* c, const double* d) {
+  for (const double* p : {a, b, c, d})
+    if (!finite({p[0], p[1], p[2]})) return 0;
   Rational m[3][3];
   const double* row[3] = {b, c, d};
   for (int i = 0; i < 3; ++i)
@@ -322,6 +330,7 @@ int orient2d_slow(double ax, double ay, double bx, double by, double cx, double 
   const Difference px = difference(bx, ax), py = difference(by, ay);
   const Difference qx = difference(cx, ax), qy = difference(cy, ay);
   if (safe(px) && safe(py) && safe(qx) && safe(qy)) return add(multiply(px, qy), multiply(py, qx), -1).sign();
+  if (!finite({ax, ay, bx, by, cx, cy})) return 0;
   return sign_of((Rational(bx) - Rational(ax)) * (Rational(cy) - Rational(ay)) -
                  (Rational(by) - Rational(ay)) * (Rational(cx) - Rational(ax)));
 }

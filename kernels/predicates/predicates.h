@@ -12,7 +12,8 @@
 // (Shewchuk 1997), then, for coordinates whose products could leave the range of doubles, rationals. Only the
 // last one allocates; in a unit box it needs coordinate differences below 1e-90.
 //
-// pre: every coordinate is finite. Points are three (two) consecutive doubles.
+// pre: every coordinate is finite; where one is not the answer means nothing, but there is one. Points are
+// three (two) consecutive doubles.
 #pragma once
 
 #include <algorithm>

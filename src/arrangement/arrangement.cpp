@@ -215,6 +215,8 @@ class Cutter {
     int drop = 0;
     for (int k = 1; k < 3; ++k)
       if (std::abs(CGAL::to_double(normal[k])) > std::abs(CGAL::to_double(normal[drop]))) drop = k;
+    // As doubles all may be 0.
+    for (int k = 1; k < 3 && CGAL::is_zero(normal[drop]); ++k) drop = k;
     const int i = (drop + 1) % 3, j = (drop + 2) % 3;
     const auto flat = [&](const Point3& p) { return Point2(p[i], p[j]); };
 

@@ -5,6 +5,7 @@
 
 #include "kernels/parallel/parallel.h"
 #include "kernels/predicates/predicates.h"
+#include "src/exact/ordinary_size.h"
 #include "src/exact/wedges.h"
 
 namespace overtet {
@@ -704,7 +705,17 @@ Index Curves::triple_points() const {
 
 Result<Curves> trace_curves(const Surface& surface, const SurfaceTopology& topology, const TriangleBvh& bvh,
                             const std::vector<FacePair>& pairs, const RunContext& context) {
-  return Tracer(surface, topology, bvh, pairs, context).run();
+  const OrdinarySize sized(surface, bvh);
+  Result<Curves> curves = Tracer(sized.surface(), topology, sized.bvh(), pairs, context).run();
+  if (curves.ok() && sized.scaled()) {
+    for (Curve& curve : curves.value().curves) {
+      curve.length = sized.back(curve.length);
+      for (CurveNode& node : curve.nodes) node.position = sized.back(node.position);
+    }
+    for (Junction& junction : curves.value().junctions) junction.position = sized.back(junction.position);
+    curves.value().length = sized.back(curves.value().length);
+  }
+  return curves;
 }
 
 }  // namespace overtet

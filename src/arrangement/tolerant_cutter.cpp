@@ -97,7 +97,8 @@ class TolerantCutter {
   // Where on the edge its point closest to p is (0 to 1), and how far away that is.
   std::pair<double, double> along(const Edge& e, const Vector3d& p) const {
     const Vector3d d = at(e.second) - at(e.first);
-    const double t = std::clamp(d.dot(p - at(e.first)) / d.squaredNorm(), 0.0, 1.0);
+    const double dd = d.squaredNorm();
+    const double t = dd > 0 ? std::clamp(d.dot(p - at(e.first)) / dd, 0.0, 1.0) : 0;
     return {t, (at(e.first) + t * d - p).norm()};
   }
 
@@ -373,6 +374,7 @@ class TolerantCutter {
       x[j] = CGAL::to_double(v->point().y());
       x[drop] =
           origin[drop] - (normal[i] * (x[i] - origin[i]) + normal[j] * (x[j] - origin[j])) / normal[drop];
+      if (!x.allFinite()) return false;  // too small for doubles
       v->info().id = static_cast<Index>(points_.size());
       points_.push_back(x);
     }

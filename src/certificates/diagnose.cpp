@@ -6,6 +6,8 @@
 #include <cstdio>
 
 #include "src/certificates/separated.h"
+#include "src/exact/exact.h"
+#include "src/exact/ordinary_size.h"
 
 namespace overtet {
 
@@ -31,6 +33,26 @@ std::string number(double x) {
 
 std::string count(std::size_t n, const char* one, const char* many) {
   return std::to_string(n) + " " + (n == 1 ? one : many);
+}
+
+// From the copy of ordinary size to the surface.
+void take_back(const Surface& surface, const OrdinarySize& sized, Diagnosis& d) {
+  for (double& volume : d.component_volume) volume = sized.back(volume, 3);
+  if (d.winding.witness) {
+    WindingWitness& w = *d.winding.witness;
+    w.point = sized.back(w.point);
+    w.exact = sized.back(w.exact);
+    // Far from 1 it may be no doubles any more.
+    for (std::size_t k = 0; k < 3; ++k)
+      w.doubles_suffice = w.doubles_suffice && exact::fraction(exact::Rational(w.point[k])) == w.exact[k];
+  }
+  if (d.stack) {
+    d.stack->point = sized.back(d.stack->point);
+    d.stack->exact = sized.back(d.stack->exact);
+  }
+  auto bvh = std::make_shared<TriangleBvh>();
+  bvh->build(surface.V, surface.F);
+  d.bvh = bvh;
 }
 
 void count_shared(const Surface& surface, Diagnosis& d) {
@@ -198,13 +220,15 @@ Result<Diagnosis> diagnose(const Surface& surface, const DiagnoseOptions& option
   }
   if (auto stop = context.stop()) return *stop;
   context.report("diagnose", 0.1, "looking for faces that intersect");
+  const OrdinarySize sized(surface);
+  const Surface& own = sized.surface();
   const SurfaceTopology& topology = d.topology.topology;
-  d.component_volume = component_volumes(surface, topology);
+  d.component_volume = component_volumes(own, topology);
   auto bvh = std::make_shared<TriangleBvh>();
   {
     const Stopwatch time(d.times.pairs);
-    bvh->build(surface.V, surface.F);
-    d.pairs = find_self_intersections(surface.V, surface.F, *bvh);
+    bvh->build(own.V, own.F);
+    d.pairs = find_self_intersections(own.V, own.F, *bvh);
     d.bvh = bvh;
     count_shared(surface, d);
   }
@@ -212,7 +236,7 @@ Result<Diagnosis> diagnose(const Surface& surface, const DiagnoseOptions& option
   context.report("diagnose", 0.4, std::to_string(d.pairs.size()) + " pairs");
   {
     const Stopwatch time(d.times.hinges);
-    d.hinges = find_hinges(surface, topology, *bvh, d.pairs);
+    d.hinges = find_hinges(own, topology, *bvh, d.pairs);
     find_vertex_witness(d);
   }
   context.report("diagnose", 0.5, std::to_string(d.hinges.size()) + " hinges");
@@ -220,30 +244,31 @@ Result<Diagnosis> diagnose(const Surface& surface, const DiagnoseOptions& option
     const Stopwatch time(d.times.winding);
     WindingRangeOptions range;
     range.stop_at_first_negative = !options.full_winding_range;
-    auto winding = find_winding_range(surface, topology, *bvh, d.pairs, context, range);
+    auto winding = find_winding_range(own, topology, *bvh, d.pairs, context, range);
     if (!winding.ok()) return winding.error();
     d.winding = std::move(winding).value();
   }
   {
     const Stopwatch time(d.times.wound_edges);
-    d.pierced_edges = find_pierced_edges(surface, topology, d.pairs);
+    d.pierced_edges = find_pierced_edges(own, topology, d.pairs);
     const bool open = !d.winding.witness && !d.vertex_witness && !d.fold_witness;
     if (open) {
-      auto stack = find_stack_witness(surface, *bvh, d.pairs, context);
+      auto stack = find_stack_witness(own, *bvh, d.pairs, context);
       if (!stack.ok()) return stack.error();
       d.stack = std::move(stack).value();
     }
     if (options.wound_edges && open && !d.stack && !d.hinges.empty()) {
-      auto wound = assign_wound_edges(surface, topology, *bvh, d.hinges, d.pierced_edges, context);
+      auto wound = assign_wound_edges(own, topology, *bvh, d.hinges, d.pierced_edges, context);
       if (!wound.ok()) return wound.error();
       d.wound = std::move(wound).value();
       if (!d.wound.forbidden()) {
-        auto apart = find_apart(surface, topology, d.hinges, context);
+        auto apart = find_apart(own, topology, d.hinges, context);
         if (!apart.ok()) return apart.error();
         if (apart.value()) d.wound = std::move(*apart.value());
       }
     }
   }
+  if (sized.scaled()) take_back(surface, sized, d);
   decide(d);
   advise(d);
   context.report("diagnose", 1, d.message);

@@ -10,6 +10,7 @@
 #include "src/arrangement/face_cuts.h"
 #include "src/covering/gluing_search.h"
 #include "src/exact/exact.h"
+#include "src/exact/ordinary_size.h"
 
 namespace overtet {
 
@@ -518,7 +519,11 @@ class Checker {
 Result<GluingAnswer> check_gluing(const Surface& surface, const SurfaceTopology& topology,
                                   const TriangleBvh& bvh, const std::vector<FacePair>& pairs,
                                   const RunContext& context) {
-  return Checker(surface, topology, bvh, context).run(pairs);
+  const OrdinarySize sized(surface, bvh);
+  Result<GluingAnswer> answer = Checker(sized.surface(), topology, sized.bvh(), context).run(pairs);
+  if (answer.ok() && sized.scaled())
+    for (GluingAnswer::Crossing& c : answer.value().crossings) c.place = sized.back(c.place);
+  return answer;
 }
 
 }  // namespace overtet

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "kernels/predicates/predicates.h"
 #include "src/exact/exact.h"
@@ -298,7 +299,11 @@ std::optional<std::vector<int>> edge_levels(const Surface& surface, const Surfac
       const double weight = 1 + 0.5 * exact::scatter(attempt);
       const auto length = [](const Vec& x) {
         const auto y = exact::approximate(x);
-        return std::sqrt(y[0] * y[0] + y[1] * y[1] + y[2] * y[2]);
+        const double l = std::sqrt(y[0] * y[0] + y[1] * y[1] + y[2] * y[2]);
+        // The squares may be out of the range of doubles.
+        return l > 1e-140 && l < 1e150
+                   ? l
+                   : std::min(std::hypot(y[0], y[1], y[2]), std::numeric_limits<double>::max());
       };
       const Rational lean(0.3 * exact::scatter(attempt + 3));
       // The parts across the edge, so that both directions count alike; any multiple of e may be added.
@@ -310,7 +315,8 @@ std::optional<std::vector<int>> edge_levels(const Surface& surface, const Surfac
       };
       const Vec ca = across(c), da = across(d);
       const double lc = length(ca), ld = length(da);
-      const Rational wc(std::isfinite(1 / lc) ? weight / lc : 1.0), wd(std::isfinite(1 / ld) ? 1 / ld : 1.0);
+      const Rational wc(std::isfinite(weight / lc) ? weight / lc : 1.0),
+          wd(std::isfinite(1 / ld) ? 1 / ld : 1.0);
       Vec direction;
       if (side == 0) {
         // Straight, or a fold: its angle counts as a full turn, so the outer side is one layer less than

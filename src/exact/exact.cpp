@@ -105,6 +105,14 @@ class Plane {
   mp_bitcnt_t shift_ = 0;
 };
 
+// A direction whose doubles have all their digits, products of them with two coordinates included: d itself
+// nearly always, else `other`.
+const Point& with_digits(const Point& d, std::optional<Point>& other) {
+  const double size = largest(d.near);
+  if ((size > 1e-100 && size < 1e100) || is_zero(d.x)) return d;
+  return other.emplace(near_one(d.x));
+}
+
 void make_exact(std::optional<Homogeneous>& start, std::optional<Homogeneous>& line, const Point& m,
                 const Point& d) {
   if (start) return;
@@ -134,6 +142,21 @@ int det_sign(const Whole& a, const Whole& b, const Whole& c) {
     mpz_addmul(sum.get_mpz_t(), a[k].get_mpz_t(), minor.get_mpz_t());
   }
   return sgn(sum);
+}
+
+Vec near_one(const Vec& v) {
+  long top = std::numeric_limits<long>::min();
+  for (int k = 0; k < 3; ++k)
+    if (sign(v[k]) != 0)
+      top = std::max(top, static_cast<long>(mpz_sizeinbase(v[k].get_num_mpz_t(), 2)) -
+                              static_cast<long>(mpz_sizeinbase(v[k].get_den_mpz_t(), 2)));
+  Vec out;
+  for (int k = 0; k < 3; ++k)
+    if (top > 0)
+      mpq_div_2exp(out[k].get_mpq_t(), v[k].get_mpq_t(), static_cast<mp_bitcnt_t>(top));
+    else
+      mpq_mul_2exp(out[k].get_mpq_t(), v[k].get_mpq_t(), static_cast<mp_bitcnt_t>(-top));
+  return out;
 }
 
 Whole whole(const Vec& v) { return Homogeneous(v).numerator; }
@@ -271,7 +294,9 @@ int Rays::passes(Line& line, Corners& c, Index f) const {
   return sum > 0 ? kGrazes + 1 : sum < 0 ? -kGrazes - 1 : kGrazes;
 }
 
-int Rays::passes(const Point& m, const Point& d, Index f) const {
+int Rays::passes(const Point& m, const Point& towards, Index f) const {
+  std::optional<Point> other;
+  const Point& d = with_digits(towards, other);
   Line line{m, d, nullptr, largest(d.near), std::max(scale_, largest(m.near)), {}, {}, {}};
   Corners corners;
   const int s = passes(line, corners, f);
@@ -313,9 +338,11 @@ Rational Rays::cut(const Point& a, const Point& b, Index f) const {
   return t;
 }
 
-RayCount Rays::count(const Point& m, const Point& d, const Point* tilt, const std::vector<Index>& skip,
+RayCount Rays::count(const Point& m, const Point& towards, const Point* tilt, const std::vector<Index>& skip,
                      bool want_nearest) const {
   RayCount out;
+  std::optional<Point> other;
+  const Point& d = with_digits(towards, other);
   const double S = std::max(scale_, largest(m.near));
   // The start and the direction are known to an ulp each: over the length of the surface that is far
   // less than this slack, which costs nothing.
@@ -356,7 +383,7 @@ RayCount Rays::count(const Point& m, const Point& d, const Point* tilt, const st
     out.winding += s;
     if (want_nearest) {
       const Vec n = normal(f);
-      const Rational t = dot(n, vec(corner(f, 0)) - m.x) / dot(n, d.x);
+      const Rational t = dot(n, vec(corner(f, 0)) - m.x) / dot(n, towards.x);
       if (!out.nearest || t < *out.nearest) {
         out.nearest = t;
         out.nearest_face = f;

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,9 +37,18 @@ inline Vec cross(const Vec& a, const Vec& b) {
 }
 inline Rational det(const Vec& a, const Vec& b, const Vec& c) { return dot(a, cross(b, c)); }
 inline bool is_zero(const Vec& a) { return sign(a[0]) == 0 && sign(a[1]) == 0 && sign(a[2]) == 0; }
-inline std::array<double, 3> approximate(const Vec& a) {
-  return {a[0].get_d(), a[1].get_d(), a[2].get_d()};  // truncated: within an ulp
+// Truncated: within an ulp, or the largest double where x is larger. Never infinite: nothing that goes back
+// into rational numbers may be.
+inline double approximate(const Rational& x) {
+  const double d = x.get_d();
+  return std::isfinite(d) ? d : std::copysign(std::numeric_limits<double>::max(), d);
 }
+inline std::array<double, 3> approximate(const Vec& a) {
+  return {approximate(a[0]), approximate(a[1]), approximate(a[2])};
+}
+// v times a power of two that makes its largest number about 1, as it may be far out of the range of doubles.
+// pre: not zero.
+Vec near_one(const Vec& v);
 
 // A direction up to a positive factor. Signs do not change when a vector is multiplied by a positive number,
 // so they need integers only: no fractions, no common divisors.
@@ -56,7 +66,7 @@ std::array<double, 3> unit(const Whole& a);
 
 std::string fraction(const Rational& x);  // "-17" or "12345/65536"
 
-// A point or direction with its value in doubles, each within an ulp.
+// A point or direction with its value in doubles, each within an ulp (of what doubles can hold).
 struct Point {
   Vec x;
   std::array<double, 3> near;
@@ -82,6 +92,8 @@ class Rays {
  public:
   Rays(const VertexMatrix& V, const TriangleMatrix& F, const TriangleBvh& bvh);
 
+  // Directions may have any length, also one that no double can hold.
+  //
   // The ray from m along d, tilted by an infinitesimal amount towards `tilt` when that is given. Faces in
   // `skip` (sorted) are not counted: those that contain m. m then may lie on the surface.
   RayCount count(const Point& m, const Point& d, const Point* tilt, const std::vector<Index>& skip,

@@ -19,10 +19,11 @@ constexpr int kAttempts = 12;  // other directions or places when a ray grazes a
 // Determinants of three directions of length 1 in doubles are wrong by far less.
 constexpr double kSure = 1e-13;
 
-Rational inverse_length(const Vec& x) {
+// Of length about 1. pre: not zero.
+Vec shortened(const Vec& x) {
   const auto a = exact::approximate(x);
   const double big = std::max(std::max(std::fabs(a[0]), std::fabs(a[1])), std::fabs(a[2]));
-  return big > 1e-290 && big < 1e290 ? Rational(1 / big) : Rational(1);
+  return big > 1e-290 && big < 1e290 ? Rational(1 / big) * x : exact::near_one(x);
 }
 
 using Near = std::array<double, 3>;
@@ -163,7 +164,7 @@ std::optional<Wedge> Wedges::in_front(Index f, Index g, const Vec& u, const Vec&
     if (exact::sign(dot(nf, d.x)) <= 0 || exact::sign(dot(ng, d.x)) <= 0) {
       // A wedge too thin for doubles: u x nf and ng x u span it.
       const Vec p = exact::cross(u, nf), q = exact::cross(ng, u);
-      d = Point(Rational(weight) * (inverse_length(p) * p) + inverse_length(q) * q);
+      d = Point(Rational(weight) * shortened(p) + shortened(q));
     }
     const RayCount ray = rays_.count(m, d, nullptr, skip);
     if (ray.status == RayStatus::starts_on_surface) return std::nullopt;

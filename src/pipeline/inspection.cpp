@@ -8,6 +8,7 @@
 
 #include "kernels/predicates/predicates.h"
 #include "src/covering/gluing.h"
+#include "src/exact/ordinary_size.h"
 
 namespace overtet {
 
@@ -181,6 +182,7 @@ Status look_for_conflict(const Surface& surface, Inspection& r, const RunContext
 Result<CloseLook> look_closely(const Surface& surface, const Inspection& r, const RunContext& context) {
   const Diagnosis& d = r.diagnosis;
   const SurfaceTopology& topology = d.topology.topology;
+  const OrdinarySize sized(surface, *d.bvh);
   CloseLook out;
   std::map<Index, const std::vector<Index>*> piercing;
   for (const PiercedEdge& e : d.pierced_edges) piercing[e.half_edge] = &e.faces;
@@ -190,7 +192,7 @@ Result<CloseLook> look_closely(const Surface& surface, const Inspection& r, cons
     for (const Index h : half_edges_around(topology, hinge.vertex)) {
       const auto at = piercing.find(std::min(h, topology.twin[h]));
       out.edges.back().push_back({half_edge_target(surface.F, h),
-                                  edge_levels(surface, topology, *d.bvh, h,
+                                  edge_levels(sized.surface(), topology, sized.bvh(), h,
                                               at == piercing.end() ? std::vector<Index>{} : *at->second)});
     }
   }

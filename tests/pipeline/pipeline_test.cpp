@@ -265,6 +265,39 @@ TEST(Pipeline, RepairCrashedOnSeveralComponentsWithAFaceWithoutArea) {
   }
 }
 
+// Two flat pyramids, the top of one through the bottom of the other: what spans the narrow wedge between
+// their faces are products of six coordinates, which ended the program where they left the range of doubles.
+TEST(Pipeline, SharpCrossingsCrashedAtLargeCoordinates) {
+  Surface pyramid;
+  pyramid.V.resize(4, 3);
+  pyramid.V << 0, 0, 0, 1, 0, 0, 0.25, 1, 0, 0.25, 0.25, 0x1p-8;
+  pyramid.F.resize(4, 3);
+  pyramid.F << 0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3;
+  const Surface sharp =
+      test::joined(pyramid, test::transformed(pyramid, Eigen::Matrix3d::Identity(), {0, 0.0625, 0x1p-10}));
+  for (const Surface& shape :
+       {sharp, test::two_spheres(1), test::curled_worm(420, 8), test::elbow(150, 10), test::saucer(1)}) {
+    const PipelineResult one = run(shape);
+    for (const double factor :
+         {0x1p-300, 0x1p-230, 0x1p-100, 0x1p100, 0x1p170, 0x1p200, 0x1p230, 0x1p300, 1e-60, 1e60, 1e100}) {
+      SCOPED_TRACE(std::log2(factor));
+      const Surface s{shape.V * factor, shape.F};
+      const PipelineResult r = run(s);
+      if (std::abs(std::log2(factor)) > 240) {
+        EXPECT_EQ(r.exit_code(), 3);
+        EXPECT_NE(r.report.message.find("scale the model"), std::string::npos) << r.report.message;
+        continue;
+      }
+      EXPECT_EQ(r.report.status, one.report.status) << r.report.message;
+      EXPECT_EQ(r.report.witness.has_value(), one.report.witness.has_value());
+      int power = 0;
+      if (std::frexp(factor, &power) != 0.5) continue;  // else nothing but the scale differs
+      EXPECT_EQ(r.mesh.V, one.mesh.V * factor);
+      EXPECT_EQ(r.mesh.T, one.mesh.T);
+    }
+  }
+}
+
 // Copies next to each other, each covering what is around the other one, and a part that needs no repair.
 TEST(Pipeline, RepairsPartsByThemselves) {
   PipelineOptions options;

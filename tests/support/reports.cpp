@@ -12,7 +12,8 @@ std::string wrong_with_reports(const std::vector<std::string>& files) {
   std::string command = "/usr/bin/python3 -B " OVERTET_VALIDATE_REPORTS;
   for (const std::string& file : files) command += " '" + file + "'";
   const ShellResult r = shell(command);
-  return r.exit_code == 0 ? "" : "not valid (exit code " + std::to_string(r.exit_code) + "): " + r.out + r.err;
+  return r.exit_code == 0 ? ""
+                          : "not valid (exit code " + std::to_string(r.exit_code) + "): " + r.out + r.err;
 }
 
 std::vector<std::string> reports_in(const std::string& folder) {

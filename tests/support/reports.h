@@ -6,8 +6,8 @@
 
 namespace overtet::test {
 
-// What is wrong with the reports in these files, a line each; empty when nothing is. Says so when the validator
-// (python3-jsonschema) is missing.
+// What is wrong with the reports in these files, a line each; empty when nothing is. Says so when the
+// validator (python3-jsonschema) is missing.
 std::string wrong_with_reports(const std::vector<std::string>& files);
 
 // The files of the folder that are reports: JSON with "stages".
