@@ -24,12 +24,6 @@ bool same_file(const std::string& a, const std::string& b) {
          x.st_dev == y.st_dev && x.st_ino == y.st_ino;
 }
 
-// Before hours of work: can there be a file of this name at the end?
-Status can_write(const std::string& path) {
-  AtomicFile probe;
-  return probe.open(path);
-}
-
 std::vector<Figure> options_of(const MeshCommand& c, const CommonOptions& common, TetFormat format) {
   static constexpr const char* names[] = {"medit", "msh22", "msh41", "vtu", "tetgen"};
   std::vector<Figure> o = {{"input", c.input},
@@ -85,9 +79,10 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
                 {ErrorCode::usage, "The input would be overwritten; choose another name for the output."});
   if (same_file(command.output, command.report))
     return fail(terminal, {ErrorCode::usage, "The output and the report have the same name."});
-  for (const std::string& path : {command.output, command.report})
-    if (!path.empty())
-      if (Status s = can_write(path); !s) return fail(terminal, s.error());
+  OutputProbe output, report;
+  if (Status s = output.open(command.output); !s) return fail(terminal, s.error());
+  if (!command.report.empty())
+    if (Status s = report.open(command.report); !s) return fail(terminal, s.error());
 
   const RunContext context = common.context(terminal);
   const ScopedThreads threads(common.threads);

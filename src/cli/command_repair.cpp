@@ -25,10 +25,8 @@ int run(const RepairCommand& command, const CommonOptions& common, Terminal& ter
   if (command.input == command.output)
     return fail(terminal,
                 {ErrorCode::usage, "The input would be overwritten; choose another name for the output."});
-  {
-    AtomicFile probe;  // before any work: can there be a file of this name?
-    if (Status s = probe.open(command.output); !s) return fail(terminal, s.error());
-  }
+  OutputProbe output;
+  if (Status s = output.open(command.output); !s) return fail(terminal, s.error());
   const RunContext context = common.context(terminal);
   const ScopedThreads threads(common.threads);
   Watchdog watchdog(context.deadline, context.memory_limit_bytes,

@@ -1,13 +1,17 @@
 #include "src/cli/signals.h"
 
+#include <poll.h>
 #include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "overtet/run_context.h"
+#include "src/io/file.h"
 
 namespace overtet {
 
@@ -22,7 +26,42 @@ extern "C" void on_signal(int) { interrupted.store(true, std::memory_order_relax
 constexpr auto kInterruptGrace = std::chrono::milliseconds(1500);
 constexpr auto kDeadlineGrace = std::chrono::milliseconds(2500);
 constexpr auto kMemoryGrace = std::chrono::milliseconds(1000);
+// How long anything may take, a watchdog included: what is blocked in a write to a pipe that is not read
+// notices nothing, and neither does who waits for it.
+constexpr auto kLastGrace = std::chrono::milliseconds(3000);
 constexpr auto kPeriod = std::chrono::milliseconds(50);
+
+[[noreturn]] void end_at_once(int code) {
+  remove_unfinished_files();
+  _exit(code);
+}
+
+// Ends the program whatever state it is in. Takes no locks that others hold for long, waits for nobody.
+void end_when_stuck() {
+  using Clock = std::chrono::steady_clock;
+  std::optional<Clock::time_point> since;
+  for (;; std::this_thread::sleep_for(kPeriod)) {
+    if (!interrupted) continue;
+    if (!since) since = Clock::now();
+    if (Clock::now() - *since <= kLastGrace) continue;
+    constexpr std::string_view words = "overtet: Interrupted.\n";
+    pollfd error{STDERR_FILENO, POLLOUT, 0};
+    if (poll(&error, 1, 0) == 1 && (error.revents & POLLOUT) != 0)
+      (void)!::write(STDERR_FILENO, words.data(), words.size());
+    end_at_once(static_cast<int>(ErrorCode::interrupted));
+  }
+}
+
+// A thread that no signal is delivered to.
+template <class F>
+std::thread quiet_thread(F&& f) {
+  sigset_t all, before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  std::thread thread(std::forward<F>(f));
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  return thread;
+}
 
 }  // namespace
 
@@ -36,16 +75,14 @@ void install_signal_handlers() {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
   // Writing to a closed pipe is an error like others.
   ::signal(SIGPIPE, SIG_IGN);
+  static std::once_flag once;
+  std::call_once(once, [] { quiet_thread(end_when_stuck).detach(); });
 }
 
 Watchdog::Watchdog(Clock::time_point deadline, std::size_t memory_limit,
                    std::function<void(const Error&)> late)
     : deadline_(deadline), memory_limit_(memory_limit), late_(std::move(late)) {
-  sigset_t all, before;
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);
-  thread_ = std::thread([this] { watch(); });
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  thread_ = quiet_thread([this] { watch(); });
 }
 
 void Watchdog::dismiss() {
@@ -87,7 +124,7 @@ void Watchdog::watch() {
                 .reason = ErrorReason::memory_limit};
     if (end) {
       late_(*end);
-      _exit(static_cast<int>(end->code));
+      end_at_once(static_cast<int>(end->code));
     }
     wake_.wait_for(lock, kPeriod);
   }

@@ -13,7 +13,8 @@
 
 namespace overtet {
 
-// Set by SIGINT, SIGTERM and SIGHUP once install_signal_handlers() was called.
+// Set by SIGINT, SIGTERM and SIGHUP once install_signal_handlers() was called. The program has three seconds
+// from then on, whatever it is doing: then it is ended with exit code 130.
 const std::atomic<bool>& interrupt_flag();
 void install_signal_handlers();
 

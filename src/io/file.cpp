@@ -1,12 +1,18 @@
 #include "src/io/file.h"
 
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <thread>
 
 namespace overtet {
 
@@ -30,7 +36,63 @@ mode_t default_mode() {
   return 0666 & ~mask;
 }
 
+// How long is waited for someone to read from a pipe: who is started together with us may be a little later.
+constexpr auto kReaderWait = std::chrono::seconds(2);
+constexpr auto kReaderPeriod = std::chrono::milliseconds(10);
+
+// Writing to a pipe that nothing reads from any more sends a signal that ends the program, unless that has
+// arranged for it. It is held back from the thread that writes, and taken away.
+class NoPipeSignal {
+ public:
+  NoPipeSignal() {
+    sigemptyset(&pipe_);
+    sigaddset(&pipe_, SIGPIPE);
+    sigset_t pending;
+    sigpending(&pending);
+    was_pending_ = sigismember(&pending, SIGPIPE) == 1;
+    pthread_sigmask(SIG_BLOCK, &pipe_, &before_);
+  }
+  ~NoPipeSignal() {
+    constexpr timespec at_once{};
+    if (!was_pending_)
+      while (sigtimedwait(&pipe_, nullptr, &at_once) < 0 && errno == EINTR) {
+      }
+    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+  }
+  NoPipeSignal(const NoPipeSignal&) = delete;
+  NoPipeSignal& operator=(const NoPipeSignal&) = delete;
+
+ private:
+  sigset_t pipe_, before_;
+  bool was_pending_ = false;
+};
+
+// The hidden neighbours of all files that are being written. Never destroyed: threads may outlive what is
+// static.
+struct Neighbours {
+  std::mutex mutex;
+  std::set<std::string> names;
+};
+Neighbours& neighbours() {
+  static Neighbours* const all = new Neighbours;
+  return *all;
+}
+void remember(const std::string& name) {
+  const std::lock_guard lock(neighbours().mutex);
+  neighbours().names.insert(name);
+}
+void forget(const std::string& name) {
+  const std::lock_guard lock(neighbours().mutex);
+  neighbours().names.erase(name);
+}
+
 }  // namespace
+
+void remove_unfinished_files() {
+  const std::lock_guard lock(neighbours().mutex);
+  for (const std::string& name : neighbours().names) ::unlink(name.c_str());
+  neighbours().names.clear();
+}
 
 Result<std::string> read_file(const std::string& path) {
   const auto fail = [&](int code) {
@@ -70,8 +132,12 @@ AtomicFile::~AtomicFile() { abandon(); }
 void AtomicFile::abandon() {
   if (fd_ >= 0) ::close(fd_);
   fd_ = -1;
-  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+  if (!temporary_.empty()) {
+    ::unlink(temporary_.c_str());
+    forget(temporary_);
+  }
   temporary_.clear();
+  direct_ = synced_ = false;
 }
 
 Error AtomicFile::error(const char* what, int code) const {
@@ -93,10 +159,7 @@ Status AtomicFile::open(const std::string& path) {
     // A rename would also replace a file that the user has made read-only.
     if (!direct_ && ::access(target_.c_str(), W_OK) != 0) return error("write", errno);
   }
-  if (direct_) {
-    fd_ = ::open(target_.c_str(), O_WRONLY | O_CLOEXEC);
-    return fd_ < 0 ? Status(error("write", errno)) : success();
-  }
+  if (direct_) return open_directly();
   const std::string directory = directory_of(target_);
   fd_ = ::open(directory.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0600);
   if (fd_ < 0) {
@@ -104,13 +167,37 @@ Status AtomicFile::open(const std::string& path) {
     fd_ = ::mkostemp(name.data(), O_CLOEXEC);
     if (fd_ < 0) return error("write", errno);
     temporary_ = name;
+    remember(temporary_);
   }
   if (::fchmod(fd_, default_mode()) != 0) { /* the file stays private to its owner */
   }
   return success();
 }
 
+// Opening a pipe waits for a reader for ever, unless it is told not to wait at all.
+Status AtomicFile::open_directly() {
+  const auto end = std::chrono::steady_clock::now() + kReaderWait;
+  for (;;) {
+    fd_ = ::open(target_.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK);
+    if (fd_ >= 0) break;
+    if (errno == EINTR) continue;
+    struct stat info;
+    const int code = errno;
+    if (code != ENXIO || ::stat(target_.c_str(), &info) != 0 || !S_ISFIFO(info.st_mode))
+      return error("write", code);
+    if (std::chrono::steady_clock::now() > end)
+      return Error{ErrorCode::io, "Cannot write " + path_ + ": it is a pipe that nothing reads from."};
+    std::this_thread::sleep_for(kReaderPeriod);
+  }
+  // Only opening must not wait: writes do, for who reads slowly.
+  const int flags = ::fcntl(fd_, F_GETFL);
+  if (flags < 0 || ::fcntl(fd_, F_SETFL, flags & ~O_NONBLOCK) != 0) return error("write", errno);
+  return success();
+}
+
 Status AtomicFile::write(std::string_view bytes) {
+  std::optional<NoPipeSignal> no_signal;
+  if (direct_) no_signal.emplace();
   while (!bytes.empty()) {
     const ssize_t done = ::write(fd_, bytes.data(), bytes.size());
     if (done < 0 && errno == EINTR) continue;
@@ -139,6 +226,7 @@ Status AtomicFile::commit() {
         const std::string name = stem + std::to_string(attempt);
         if (::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0) {
           temporary_ = name;
+          remember(temporary_);
           break;
         }
         if (errno != EEXIST) return error("write", errno);
@@ -146,11 +234,18 @@ Status AtomicFile::commit() {
       if (temporary_.empty()) return error("write", EEXIST);
     }
     if (::rename(temporary_.c_str(), target_.c_str()) != 0) return error("write", errno);
+    forget(temporary_);
     temporary_.clear();
   }
   const int fd = fd_;
   fd_ = -1;
   return ::close(fd) == 0 ? success() : Status(error("write", errno));
+}
+
+Status OutputProbe::open(const std::string& path) {
+  Status opened = file_.open(path);
+  if (!file_.direct_) file_.abandon();
+  return opened;
 }
 
 void TextWriter::flush() {

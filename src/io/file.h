@@ -21,7 +21,9 @@ namespace overtet {
 Result<std::string> read_file(const std::string& path);
 
 // Destroyed without commit(): nothing is left behind. A path that names something else than a regular
-// file (a pipe, /dev/null) is written to directly.
+// file (a pipe, /dev/null) is written to directly. A named pipe that nothing reads from is an error after two
+// seconds; one whose reader goes away is an error, too, and no signal. Writing waits for a reader that does
+// not read.
 class AtomicFile {
  public:
   AtomicFile() = default;
@@ -36,6 +38,8 @@ class AtomicFile {
   Status commit();
 
  private:
+  friend class OutputProbe;
+  Status open_directly();
   Error error(const char* what, int code) const;
   void abandon();
 
@@ -46,6 +50,19 @@ class AtomicFile {
   bool direct_ = false;
   bool synced_ = false;
 };
+
+// Whether there can be a file of this name: asked before hours of work. A pipe is kept open until this is
+// destroyed, since who reads from it would take it for the end if it was closed.
+class OutputProbe {
+ public:
+  Status open(const std::string& path);
+
+ private:
+  AtomicFile file_;
+};
+
+// Takes away what files that are being written have left so far. Only for who ends the program at once.
+void remove_unfinished_files();
 
 // Text being put together. Numbers are written in the shortest form that reads back as the same double, so
 // that a file holds exactly what was checked.

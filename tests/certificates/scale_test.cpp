@@ -4,11 +4,11 @@
 #include <gmpxx.h>
 #include <cmath>
 
-#include "src/certificates/separated.h"
 #include "src/arrangement/curves.h"
 #include "src/certificates/diagnose.h"
-#include "src/exact/exact.h"
+#include "src/certificates/separated.h"
 #include "src/covering/gluing.h"
+#include "src/exact/exact.h"
 #include "src/exact/ordinary_size.h"
 #include "src/exact/winding.h"
 #include "tests/support/models.h"

@@ -1,12 +1,16 @@
 // The program from outside: every exit code, what it writes and what it leaves behind.
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -442,6 +446,126 @@ TEST_F(Cli, InterruptsLeaveNothingBehind) {
     }
     EXPECT_EQ(folder_.entries(), 1);
   }
+}
+
+// Named pipes. Opening one waits for the other end, writing to it for who reads, and what waits there heeds
+// no flag.
+
+class CliPipes : public Cli {
+ protected:
+  std::string pipe(const std::string& name) {
+    const std::string path = folder_.file(name);
+    EXPECT_EQ(mkfifo(path.c_str(), 0600), 0);
+    return path;
+  }
+  std::unique_ptr<test::Process> start(std::vector<std::string> words) {
+    words.insert(words.begin(), OVERTET_PROGRAM);
+    return std::make_unique<test::Process>(words, logs_.path());
+  }
+  std::string said() const { return test::read_text(logs_.file("err")); }
+  template <class Condition>
+  static bool wait_until(Condition&& condition) {
+    for (int i = 0; i < 12000; ++i) {
+      if (condition()) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return false;
+  }
+  static bool heeds_signals(pid_t process) {
+    std::ifstream in("/proc/" + std::to_string(process) + "/status");
+    for (std::string line; std::getline(in, line);)
+      if (line.rfind("SigCgt:", 0) == 0)
+        return (std::stoull(line.substr(7), nullptr, 16) & (1ull << (SIGTERM - 1))) != 0;
+    return false;
+  }
+  // A pipe to read from that holds next to nothing.
+  static int narrow_reader(const std::string& path) {
+    const int reader = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    EXPECT_GE(fcntl(reader, F_SETPIPE_SZ, 4096), 4096);
+    return reader;
+  }
+  // Until something is in the pipe. It holds less than the file: who writes to it waits soon, if not yet.
+  static bool fills(int reader) {
+    return wait_until([&] {
+      int waiting = 0;
+      return ioctl(reader, FIONREAD, &waiting) == 0 && waiting > 0;
+    });
+  }
+  const TemporaryFolder logs_;
+};
+
+TEST_F(CliPipes, AnOutputPipeThatNothingReadsFromHung) {
+  const std::string in = save("a.off", test::sphere(1));
+  for (const std::string& words :
+       {"mesh " + in + " -o " + pipe("o.mesh"),
+        "mesh " + in + " -o " + folder_.file("p.mesh") + " --report " + pipe("r.json"),
+        "repair " + in + " -o " + pipe("o.off"), "inspect " + in + " --save-curves " + pipe("c.obj")}) {
+    const ShellResult r = run(words);
+    EXPECT_EQ(r.exit_code, 7) << words;
+    expect_one_line(r);
+    EXPECT_NE(r.err.find("nothing reads from"), std::string::npos) << r.err;
+  }
+  EXPECT_FALSE(exists("p.mesh"));
+}
+
+TEST_F(CliPipes, AnOutputPipeGetsTheWholeFile) {
+  const std::string in = save("a.off", test::sphere(3)), out = pipe("o.mesh"), report = pipe("r.json");
+  ASSERT_EQ(run("mesh " + in + " -o " + folder_.file("file.mesh")).exit_code, 0);
+  const ShellResult r = shell("cat " + out + " > " + folder_.file("copy.mesh") + " & cat " + report + " > " +
+                              folder_.file("copy.json") + " & " + OVERTET_PROGRAM + " mesh " + in + " -o " +
+                              out + " --report " + report + " && wait");
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_EQ(test::read_text(folder_.file("copy.mesh")), test::read_text(folder_.file("file.mesh")));
+  EXPECT_EQ(this->report("copy.json")["status"], "exact");
+}
+
+TEST_F(CliPipes, AnOutputPipeWhoseReaderGoesAwayIsAnError) {
+  const std::string in = save("a.off", test::sphere(3)), out = pipe("o.mesh");
+  const int reader = narrow_reader(out);
+  const auto p = start({"mesh", in, "-o", out});
+  ASSERT_TRUE(fills(reader));
+  ::close(reader);
+  EXPECT_EQ(p->wait(60), 7);
+  EXPECT_NE(said().find("Cannot write " + out), std::string::npos) << said();
+}
+
+TEST_F(CliPipes, AnOutputPipeThatIsNotReadIgnoredSignals) {
+  const std::string in = save("a.off", test::sphere(3)), out = pipe("o.mesh");
+  for (const int number : {SIGTERM, SIGINT}) {
+    const int reader = narrow_reader(out);
+    const auto p = start({"mesh", in, "-o", out});
+    ASSERT_TRUE(fills(reader));
+    p->signal(number);
+    EXPECT_EQ(p->wait(60), 130);
+    EXPECT_EQ(said(), "overtet: Interrupted.\n");
+    ::close(reader);
+  }
+}
+
+TEST_F(CliPipes, AnInputPipeThatNothingComesFromHeedsSignals) {
+  const std::string in = pipe("a.off"), other = pipe("a.mesh");
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{"mesh", in, "-o", folder_.file("o.mesh")},
+                                             {"repair", in, "-o", folder_.file("o.off")},
+                                             {"inspect", in},
+                                             {"verify", in, other}}) {
+    for (const bool writer : {false, true}) {
+      const int end = writer ? ::open(in.c_str(), O_RDWR | O_CLOEXEC) : -1;
+      const auto p = start(words);
+      ASSERT_TRUE(wait_until([&] { return heeds_signals(p->id()); }));
+      p->signal(SIGTERM);
+      EXPECT_EQ(p->wait(60), 130) << words[0];
+      if (writer) ::close(end);
+    }
+  }
+  EXPECT_EQ(folder_.entries(), 2);
+}
+
+TEST_F(CliPipes, AnInputPipeIsRead) {
+  const std::string in = save("a.off", test::sphere(1)), through = pipe("p.off");
+  const ShellResult r = shell("cat " + in + " > " + through + " & " + OVERTET_PROGRAM + " mesh " + through +
+                              " -o " + folder_.file("o.mesh") + " && wait");
+  EXPECT_EQ(r.exit_code, 0) << r.err;
 }
 
 TEST_F(Cli, AnOldOutputSurvivesAFailure) {

@@ -1,6 +1,8 @@
 #include "src/io/tet_io.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -198,6 +200,38 @@ TEST(TetIo, AnOutputAppearsWholeOrNotAtAll) {
   AtomicFile nowhere;
   EXPECT_EQ(nowhere.open(folder.file("no/such/folder")).error().code, ErrorCode::io);
   EXPECT_EQ(nowhere.open(folder.path()).error().code, ErrorCode::io);
+}
+
+// A signal that nobody has asked for ends the program.
+TEST(AtomicFile, APipeWhoseReaderHasGoneIsAnErrorAndNoSignal) {
+  const test::TemporaryFolder folder;
+  const std::string path = folder.file("p");
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  struct sigaction plain {};
+  plain.sa_handler = SIG_DFL;
+  struct sigaction before {};
+  ASSERT_EQ(sigaction(SIGPIPE, &plain, &before), 0);
+  const int reader = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  AtomicFile file;
+  ASSERT_TRUE(file.open(path).ok());
+  EXPECT_TRUE(file.write("something").ok());
+  ::close(reader);
+  for (int i = 0; i < 2; ++i) {
+    const Status s = file.write("more");
+    ASSERT_FALSE(s.ok());
+    EXPECT_EQ(s.error().code, ErrorCode::io);
+  }
+  sigset_t pending, blocked;
+  sigpending(&pending);
+  pthread_sigmask(SIG_SETMASK, nullptr, &blocked);
+  EXPECT_EQ(sigismember(&pending, SIGPIPE), 0);
+  EXPECT_EQ(sigismember(&blocked, SIGPIPE), 0);
+  // Nobody has begun to read.
+  AtomicFile again;
+  const Status s = again.open(path);
+  ASSERT_FALSE(s.ok());
+  EXPECT_EQ(s.error().code, ErrorCode::io);
+  sigaction(SIGPIPE, &before, nullptr);
 }
 
 }  // namespace
