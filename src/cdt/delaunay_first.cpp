@@ -13,28 +13,19 @@
 #include "kernels/parallel/parallel.h"
 #include "src/cdt/delaunay_match.h"
 #include "src/cdt/domain_parts.h"
+#include "src/cdt/tuning.h"
 
 namespace overtet {
 
 namespace {
 
-constexpr std::int64_t kGrain = 1 << 13;
-
-// A cavity with more tets than this is TetGen's, and one for which so many tets have been tried.
-constexpr std::size_t kLargestCavity = 40;
-// So are cavities with more pairs of a tet and a missing facet, where one facet goes after the other.
-constexpr std::size_t kMostPairs = 300'000;
-constexpr int kSteps = 300;
-
-// So often all cavities are looked at, each time with one more layer of tets around them.
-constexpr int kRounds = 3;
-
-// TetGen's part is shared out in pieces of at least this many facets, which can run at the same time.
-constexpr std::int64_t kFacetsPerPiece = 10'000;
-constexpr std::int64_t kMostPieces = 4;
+// Tets that are tried for a cavity: one for which so many have been is TetGen's.
+constexpr int kFillSteps = 300;
 
 Error unsolved(std::string message) { return Error{ErrorCode::unsolved, std::move(message)}; }
 
+// More than 12 members: seven of them are names for fields of DelaunayMatch, whose state this goes on
+// changing.
 class DelaunayFirst {
  public:
   DelaunayFirst(DelaunayMatch& match, const RunContext& context, const DelaunayFirstOptions& options)
@@ -44,7 +35,7 @@ class DelaunayFirst {
     source_.resize(facets_.size());
     std::iota(source_.begin(), source_.end(), 0);
     cavity_of_.assign(tet_.size(), -1);
-    for (int round = 0; round < kRounds && !missing_.empty(); ++round) {
+    for (int round = 0; round < kCavityRounds && !missing_.empty(); ++round) {
       match_.find_crossed_tets();
       make_cavities(round);
       fill_cavities(round);
@@ -167,13 +158,13 @@ class DelaunayFirst {
   }
 
   bool fill_whole(Cavity& cavity, CavityFiller& filler) const {
-    if (cavity.tets.size() > kLargestCavity) return false;
+    if (cavity.tets.size() > kLargestFacetCavity) return false;
     std::vector<Wall> walls;
     find_walls(cavity, walls);
     std::vector<Triple> faces;
     for (const Wall& w : walls) faces.push_back(w.face);
     for (const Index f : cavity.facets) add_both_sides(facets_[f], faces);
-    if (!filler.fill(plc_.V.data(), faces, kSteps, cavity.fill)) return false;
+    if (!filler.fill(plc_.V.data(), faces, kFillSteps, cavity.fill)) return false;
     cavity.found = cavity.facets;
     return true;
   }
@@ -239,7 +230,7 @@ class DelaunayFirst {
           faces.push_back({face[0], face[2], face[1]});
         }
         add_both_sides(facet, faces);
-        if (!filler.fill(plc_.V.data(), faces, kSteps, fill)) {
+        if (!filler.fill(plc_.V.data(), faces, kFillSteps, fill)) {
           still.push_back(f);
           continue;
         }
@@ -337,19 +328,35 @@ class DelaunayFirst {
     }
   }
 
+  // A triangle that TetGen gets: a wall of one cavity or of two, or a missing facet; -1: it is none.
+  struct Row {
+    Triple key;  // its vertices, sorted
+    Index wall = -1, facet = -1;
+    Index second_wall = -1;
+  };
   // Cavities that TetGen meshes together.
   struct Piece {
     std::vector<Index> cavities;
     std::vector<Wall> walls;
     std::vector<Index> vertices;  // the numbers of TetGen's input vertices
+    std::vector<Row> rows;        // of TetGen's input facets
     TetgenResult result;
     std::vector<Index> inside;   // the tets of the result that lie in the cavities
     std::vector<Index> sources;  // of its facets: the missing facet that each is part of, or -1
+
+    // The number among `vertices`.
+    Index local(Index v) const {
+      return static_cast<Index>(std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin());
+    }
+    Triple local(const Triple& t) const { return {local(t[0]), local(t[1]), local(t[2])}; }
   };
 
   std::optional<Error> fill_the_rest();
   std::optional<Error> mesh_cavities(std::span<const Index> cavities, std::vector<Piece>& pieces) const;
   std::optional<Error> mesh_piece(Piece& piece) const;
+  void collect_rows(Piece& piece) const;
+  static std::optional<Error> check_rows(const Piece& piece);
+  static std::optional<Error> find_inside(Piece& piece);
   void put_in(const Piece& piece);
 
   const Plc& plc_;
@@ -373,7 +380,7 @@ class DelaunayFirst {
 std::optional<Error> DelaunayFirst::fill_the_rest() {
   if (missing_.empty()) return std::nullopt;
   match_.find_crossed_tets();
-  make_cavities(kRounds - 1);
+  make_cavities(kCavityRounds - 1);
   std::vector<Index> left;
   std::vector<std::int64_t> before{0};  // facets of all cavities before each
   std::vector<Wall> walls;
@@ -413,76 +420,58 @@ std::optional<Error> DelaunayFirst::mesh_cavities(std::span<const Index> cavitie
   return error ? error : mesh_cavities(cavities.subspan(half), pieces);
 }
 
-std::optional<Error> DelaunayFirst::mesh_piece(Piece& piece) const {
+// Walls and missing facets, those that are the same once, and their vertices.
+void DelaunayFirst::collect_rows(Piece& piece) const {
   std::vector<Wall> walls;
-  struct Entry {
-    Triple key;
-    Index wall, facet;
-  };
-  std::vector<Entry> entries;
+  std::vector<Row> entries;
   for (const Index c : piece.cavities) {
     find_walls(cavities_[c], walls);
     for (const Wall& w : walls) {
-      entries.push_back({sorted(w.face), static_cast<Index>(piece.walls.size()), -1});
+      entries.push_back({sorted(w.face), static_cast<Index>(piece.walls.size())});
       piece.walls.push_back(w);
     }
     for (const Index f : cavities_[c].facets) entries.push_back({sorted(facets_[f]), -1, f});
   }
-  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+  std::sort(entries.begin(), entries.end(), [](const Row& a, const Row& b) {
     return std::tie(a.key, a.wall, a.facet) < std::tie(b.key, b.wall, b.facet);
   });
-  for (const Entry& e : entries) piece.vertices.insert(piece.vertices.end(), e.key.begin(), e.key.end());
+  for (const Row& e : entries) piece.vertices.insert(piece.vertices.end(), e.key.begin(), e.key.end());
   std::sort(piece.vertices.begin(), piece.vertices.end());
   piece.vertices.erase(std::unique(piece.vertices.begin(), piece.vertices.end()), piece.vertices.end());
-  const auto local = [&](Index v) {
-    return static_cast<Index>(std::lower_bound(piece.vertices.begin(), piece.vertices.end(), v) -
-                              piece.vertices.begin());
-  };
-  // A facet between two cavities is a wall of both.
-  std::vector<Entry> rows;
-  std::vector<Index> second;
-  for (const Entry& e : entries)
-    if (!rows.empty() && rows.back().key == e.key)
-      second.back() = e.wall;
+  for (const Row& e : entries)
+    if (!piece.rows.empty() && piece.rows.back().key == e.key)
+      piece.rows.back().second_wall = e.wall;  // a facet between two cavities is a wall of both
     else
-      rows.push_back(e), second.push_back(-1);
-  Plc part;
-  part.V.resize(piece.vertices.size(), 3);
-  for (std::size_t v = 0; v < piece.vertices.size(); ++v) part.V.row(v) = plc_.V.row(piece.vertices[v]);
-  part.F.resize(rows.size(), 3);
-  for (std::size_t f = 0; f < rows.size(); ++f)
-    part.F.row(f) << local(rows[f].key[0]), local(rows[f].key[1]), local(rows[f].key[2]);
-  TetgenOptions options;
-  options.quality = false;
-  options.accept_split = true;
-  options.patience = options_.patience;
-  Result<TetgenResult> result = piece.cavities.size() == 1 ? tetrahedralize_shuffled(part, options, context_)
-                                                           : tetrahedralize(part, options, context_);
-  if (!result) return result.error();
-  piece.result = std::move(result).value();
-  const TetgenResult& r = piece.result;
+      piece.rows.push_back(e);
+}
 
-  std::vector<Triple> triangles(r.facets.rows());
-  std::vector<Index> parts(rows.size(), 0);
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    triangles[i] = {r.facets(i, 0), r.facets(i, 1), r.facets(i, 2)};
-    const Index f = r.facet_sources[i];
-    ++parts[f];
-    if (rows[f].wall >= 0 &&
-        sorted(triangles[i]) != Triple{local(rows[f].key[0]), local(rows[f].key[1]), local(rows[f].key[2])})
+// Whether the result has every row, and walls in one.
+std::optional<Error> DelaunayFirst::check_rows(const Piece& piece) {
+  const TetgenResult& r = piece.result;
+  std::vector<Index> parts(piece.rows.size(), 0);
+  for (Eigen::Index i = 0; i < r.facets.rows(); ++i) {
+    const Index source = r.facet_sources[static_cast<std::size_t>(i)];
+    const Row& row = piece.rows[source];
+    ++parts[source];
+    if (row.wall >= 0 && sorted({r.facets(i, 0), r.facets(i, 1), r.facets(i, 2)}) != piece.local(row.key))
       return unsolved("TetGen split a face that must stay.");
   }
-  for (const Index n : parts)
-    if (n == 0) return unsolved("TetGen lost a face.");
+  if (std::find(parts.begin(), parts.end(), 0) != parts.end()) return unsolved("TetGen lost a face.");
+  return std::nullopt;
+}
 
-  // What lies inside the walls, starting from them.
+// What lies inside the walls, starting from them.
+std::optional<Error> DelaunayFirst::find_inside(Piece& piece) {
+  const TetgenResult& r = piece.result;
+  std::vector<Triple> triangles(r.facets.rows());
+  for (std::size_t i = 0; i < triangles.size(); ++i)
+    triangles[i] = {r.facets(i, 0), r.facets(i, 1), r.facets(i, 2)};
   const TriangleTable table(static_cast<Index>(r.V.rows()), triangles);
   const Index n = static_cast<Index>(r.T.rows());
   enum : char { unknown, inside, outside };
   std::vector<char> where(n, unknown);
   std::vector<std::array<char, 4>> closed(n);
   std::vector<Index> stack;
-  const auto tet = [&](Index t) { return Tet{r.T(t, 0), r.T(t, 1), r.T(t, 2), r.T(t, 3)}; };
   bool contradiction = false;
   const auto enter = [&](Index t, char place) {
     if (where[t] == unknown) {
@@ -494,16 +483,15 @@ std::optional<Error> DelaunayFirst::mesh_piece(Piece& piece) const {
   for (Index t = 0; t < n; ++t)
     for (int k = 0; k < 4; ++k) {
       closed[t][k] = false;
-      const Triple face = face_of(tet(t), k);
-      const Index row = table.find(face);
-      if (row < 0 || rows[r.facet_sources[row]].wall < 0) continue;
+      const Triple face = face_of({r.T(t, 0), r.T(t, 1), r.T(t, 2), r.T(t, 3)}, k);
+      const Index facet = table.find(face);
+      if (facet < 0) continue;
+      const Row& row = piece.rows[r.facet_sources[facet]];
+      if (row.wall < 0) continue;
       closed[t][k] = true;
       char place = outside;
-      for (const Index w : {rows[r.facet_sources[row]].wall, second[r.facet_sources[row]]}) {
-        if (w < 0) continue;
-        const Triple& f = piece.walls[w].face;
-        if (!same_turn({local(f[0]), local(f[1]), local(f[2])}, face)) place = inside;
-      }
+      for (const Index w : {row.wall, row.second_wall})
+        if (w >= 0 && !same_turn(piece.local(piece.walls[w].face), face)) place = inside;
       enter(t, place);
     }
   while (!stack.empty()) {
@@ -515,8 +503,30 @@ std::optional<Error> DelaunayFirst::mesh_piece(Piece& piece) const {
   if (contradiction) return unsolved("TetGen did not keep inside and outside apart.");
   for (Index t = 0; t < n; ++t)
     if (where[t] == inside) piece.inside.push_back(t);
-  piece.sources.resize(r.facet_sources.size());
-  for (std::size_t i = 0; i < piece.sources.size(); ++i) piece.sources[i] = rows[r.facet_sources[i]].facet;
+  return std::nullopt;
+}
+
+std::optional<Error> DelaunayFirst::mesh_piece(Piece& piece) const {
+  collect_rows(piece);
+  Plc part;
+  part.V.resize(piece.vertices.size(), 3);
+  for (std::size_t v = 0; v < piece.vertices.size(); ++v) part.V.row(v) = plc_.V.row(piece.vertices[v]);
+  part.F.resize(piece.rows.size(), 3);
+  for (std::size_t f = 0; f < piece.rows.size(); ++f) {
+    const Triple t = piece.local(piece.rows[f].key);
+    part.F.row(f) << t[0], t[1], t[2];
+  }
+  TetgenOptions options;
+  options.quality = false;
+  options.accept_split = true;
+  options.patience = options_.patience;
+  Result<TetgenResult> result = piece.cavities.size() == 1 ? tetrahedralize_shuffled(part, options, context_)
+                                                           : tetrahedralize(part, options, context_);
+  if (!result) return result.error();
+  piece.result = std::move(result).value();
+  if (auto error = check_rows(piece)) return error;
+  if (auto error = find_inside(piece)) return error;
+  for (const Index row : piece.result.facet_sources) piece.sources.push_back(piece.rows[row].facet);
   return std::nullopt;
 }
 

@@ -9,11 +9,8 @@
 
 namespace overtet {
 
-namespace {
-
-constexpr std::int64_t kGrain = 1 << 13;
-
-}  // namespace
+// Tets or facets that one thread takes at a time.
+constexpr std::int64_t kLightGrain = 1 << 13;
 
 Triple sorted(Triple t) {
   std::sort(t.begin(), t.end());
@@ -64,7 +61,7 @@ std::optional<Error> DelaunayMatch::run(const RunContext& context, DelaunayBuild
   facet_on.resize(tet.size());
   std::vector<char> found(2 * facets.size(), 0);  // by facet and side
   const TriangleTable table(n, facets);
-  parallel_for(static_cast<std::int64_t>(tet.size()), kGrain, [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(static_cast<std::int64_t>(tet.size()), kLightGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t t = begin; t < end; ++t)
       for (int k = 0; k < 4; ++k) {
         const Triple face = face_of(tet[t], k);
@@ -148,7 +145,7 @@ Result<TetgenResult> without_outside(const Plc& plc, const Filling& filling,
   out.T.resize(kept, 4);
   out.neighbours.resize(kept, 4);
   out.facet_on.resize(kept);
-  parallel_for(n, kGrain, [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(n, kLightGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t t = begin; t < end; ++t) {
       if (number[t] < 0) continue;
       out.facet_on[number[t]] = facet_on[t];

@@ -11,6 +11,7 @@
 #include "kernels/parallel/raw_vector.h"
 #include "overtet/result.h"
 #include "src/cdt/tetgen.h"
+#include "src/cdt/tuning.h"
 
 namespace overtet {
 
@@ -38,9 +39,6 @@ class TriangleTable {
   RawVector<Index> start_;
   RawVector<Index> items_;
 };
-
-// Memory that the Delaunay tets of a point take while they are made.
-inline constexpr std::size_t kDelaunayBytesPerPoint = 1500;
 
 struct DelaunayMatch {
   explicit DelaunayMatch(const Plc& complex) : plc(complex) {}

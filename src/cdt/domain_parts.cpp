@@ -9,22 +9,14 @@
 
 #include "kernels/parallel/grouping.h"
 #include "kernels/parallel/parallel.h"
+#include "src/cdt/tuning.h"
 
 namespace overtet {
 
 namespace {
 
-// Where TetGen fails, the part is halved, down to so many facets.
-constexpr std::size_t kSmallest = 200;
-
-// The tree that shares out the tets is made of so many facets for each part.
-constexpr std::int64_t kSamples = 2048;
-
-// Missing facets pass through three tets or so. Needles pass through hundreds, and what they join is no part
-// that TetGen does sooner than the whole.
-constexpr std::size_t kMostCrossed = 20;
-
-constexpr std::int64_t kGrain = 1 << 13;
+// Tets or facets that one thread takes at a time.
+constexpr std::int64_t kLightGrain = 1 << 13;
 
 Error unsolved(std::string message) { return Error{ErrorCode::unsolved, std::move(message)}; }
 
@@ -80,6 +72,7 @@ class Halving {
 // between parts belongs to others and is dropped, and what is neither inside any facets nor the outside of
 // all (around a missing facet nobody knows) goes when the parts have been joined and the whole is seen from
 // outside.
+// More than 12 members: four of them are names for fields of DelaunayMatch.
 class Parts {
  public:
   Parts(const DelaunayMatch& match, Index facets_per_part, double patience, const RunContext& context)
@@ -239,13 +232,13 @@ void Parts::find_outside() {
 bool Parts::share_out(Part& whole, Index count) {
   const auto centre = [&](Index t) { return clump_of_[t] < 0 ? centre_of_tet(t) : clump_at_[clump_of_[t]]; };
   const std::int64_t n = static_cast<std::int64_t>(whole.tets.size());
-  const std::int64_t step = std::max<std::int64_t>(1, n / (kSamples * count));
+  const std::int64_t step = std::max<std::int64_t>(1, n / (kSampledFacets * count));
   std::vector<Eigen::Vector3d> samples;
   for (std::int64_t i = 0; i < n; i += step) samples.push_back(centre(whole.tets[i]));
   if (static_cast<Index>(samples.size()) < count) return false;
   const Halving halving(std::move(samples), count);
   std::vector<Index> box(n);
-  parallel_for(n, kGrain, [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(n, kLightGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) box[i] = halving.find(centre(whole.tets[i]));
   });
   std::vector<Part> parts(count);
@@ -265,7 +258,7 @@ bool Parts::share_out(Part& whole, Index count) {
 bool Parts::again(std::size_t number) {
   Part part = std::move(parts_[number]);
   parts_[number] = {};
-  if (part.rows.size() > kSmallest && share_out(part, 2)) return true;
+  if (part.rows.size() > kSmallestPart && share_out(part, 2)) return true;
   if (part.stubborn) return false;
   Part next;
   next.tets = std::move(part.tets);

@@ -1,5 +1,8 @@
+#include "src/cdt/facet_recovery.h"
+
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <optional>
 #include <random>
@@ -8,69 +11,23 @@
 #include "src/cdt/delaunay_first.h"
 #include "src/cdt/delaunay_match.h"
 #include "src/cdt/split_edges.h"
-#include "src/cdt/tetgen.h"
+#include "src/cdt/tuning.h"
 
 namespace overtet {
 
+Attempts::Attempts(const TetgenOptions& options) : facets_(kMostFacets * options.patience) {}
+
+bool Attempts::another_order() const { return left() && endless_ < kMostEndless; }
+
+Result<TetgenResult> Attempts::count(Eigen::Index facets, Result<TetgenResult> result) {
+  facets_ -= static_cast<double>(facets);
+  if (!result && result.error().reason == ErrorReason::endless) ++endless_, any_endless_ = true;
+  return result;
+}
+
+void Attempts::other_facets() { endless_ = std::min(endless_, kMostEndless - 1); }
+
 namespace {
-
-constexpr int kAttempts = 6;
-
-// So many facets TetGen is given in all attempts at one mesh, times the patience: all attempts there are for
-// most, a few for large ones, where each takes long and other orders seldom help.
-constexpr double kMostFacets = 3e6;
-
-// Once so many have not come to an end, others seldom do.
-constexpr int kMostEndless = 3;
-
-// Part of the patience for the first time round: what leads anywhere takes little.
-constexpr double kFirstPatience = 0.35;
-
-// What has been tried to get one mesh.
-class Attempts {
- public:
-  explicit Attempts(const TetgenOptions& options) : facets_(kMostFacets * options.patience) {}
-
-  bool left() const { return facets_ > 0; }
-  bool another_order() const { return left() && endless_ < kMostEndless; }
-  bool any_endless() const { return any_endless_; }
-
-  // Of one more attempt, at so many facets.
-  Result<TetgenResult> count(Eigen::Index facets, Result<TetgenResult> result) {
-    facets_ -= static_cast<double>(facets);
-    if (!result && result.error().reason == ErrorReason::endless) ++endless_, any_endless_ = true;
-    return result;
-  }
-
-  // Edges have been cut: one order at least.
-  void other_facets() { endless_ = std::min(endless_, kMostEndless - 1); }
-
- private:
-  double facets_;
-  int endless_ = 0;
-  bool any_endless_ = false;
-};
-
-// So often edges are cut in half where TetGen fails with whole ones: the first time has always been enough.
-constexpr int kSplits = 3;
-
-// From so many facets on, Delaunay tets first are faster.
-constexpr Eigen::Index kLarge = 10'000;
-
-// From so many on, it pays to begin with those before all points are known: tets in another order are another
-// problem for TetGen where it works in parts, and for the quality pass.
-constexpr Eigen::Index kWorthAStart = 40'000;
-
-// Sine of the smallest angle of a face that TetGen still refines around in useful time: 0.006 degrees.
-constexpr double kNeedle = 1e-4;
-
-// So many tets a vertex without vertices inside: points lie on common spheres, and flat tets fill the gaps.
-// Around 4 is usual.
-constexpr double kCrowd = 4.5;
-
-// Of tets around an edge: more than TetGen's flips need to take apart in nearly all cases. Among needles they
-// take several times as long without a limit.
-constexpr Index kLargestStar = 40;
 
 // Axes turned cyclically (which keeps orientations) by `turn`.
 VertexMatrix turned(const VertexMatrix& V, int turn) {
@@ -79,8 +36,10 @@ VertexMatrix turned(const VertexMatrix& V, int turn) {
   return out;
 }
 
-Result<TetgenResult> attempt(const Plc& plc, const TetgenOptions& options, const RunContext& context,
-                             int number) {
+}  // namespace
+
+Result<TetgenResult> tetrahedralize_in_order(const Plc& plc, const TetgenOptions& options,
+                                             const RunContext& context, int number) {
   const Index n = static_cast<Index>(plc.V.rows());
   const int turn = number % 3;
   std::vector<Index> place(n);  // where each point goes
@@ -114,8 +73,6 @@ Result<TetgenResult> attempt(const Plc& plc, const TetgenOptions& options, const
   return result;
 }
 
-}  // namespace
-
 bool worth_refining(const VertexMatrix& V, const TriangleMatrix& F) {
   for (Eigen::Index f = 0; f < F.rows(); ++f) {
     const Eigen::Vector3d a = V.row(F(f, 0)), b = V.row(F(f, 1)), c = V.row(F(f, 2));
@@ -136,15 +93,17 @@ Error too_many() { return Error{ErrorCode::unsolved, "TetGen has failed on these
 Result<TetgenResult> shuffled(const Plc& plc, const TetgenOptions& options, const RunContext& context,
                               Attempts& attempts) {
   Result<TetgenResult> first = too_many();
-  for (int number = 0; number < kAttempts && attempts.another_order(); ++number) {
-    Result<TetgenResult> now = attempts.count(plc.F.rows(), attempt(plc, options, context, number));
+  for (int number = 0; number < kOrders && attempts.another_order(); ++number) {
+    Result<TetgenResult> now =
+        attempts.count(plc.F.rows(), tetrahedralize_in_order(plc, options, context, number));
     if (settled(now)) return now;
     if (number == 0) first = std::move(now);
   }
   return first;
 }
 
-// With edges of facets cut in half, again and again.
+}  // namespace
+
 Result<TetgenResult> tetrahedralize_split(const Plc& plc, const TetgenOptions& options,
                                           const RunContext& context, Attempts& attempts) {
   Plc now = plc;
@@ -166,8 +125,6 @@ Result<TetgenResult> tetrahedralize_split(const Plc& plc, const TetgenOptions& o
   return Error{ErrorCode::unsolved, "TetGen failed with edges cut in half as well."};
 }
 
-}  // namespace
-
 Result<TetgenResult> tetrahedralize_shuffled(const Plc& plc, const TetgenOptions& options,
                                              const RunContext& context) {
   Attempts attempts(options);
@@ -176,39 +133,84 @@ Result<TetgenResult> tetrahedralize_shuffled(const Plc& plc, const TetgenOptions
 
 namespace {
 
-Result<TetgenResult> by_all_means(const Plc& plc, const TetgenOptions& options, const RunContext& context,
-                                  DelaunayBuilder begun, Attempts& attempts) {
-  TetgenOptions plain = options;
-  plain.quality = false;
-  const bool delaunay =
-      plc.holes.rows() == 0 && options.keep_facets && options.accept_split && !options.fill_convex_hull;
-  const bool large = delaunay && plc.F.rows() >= kLarge;
-  TetgenOptions quick = plain;
-  quick.largest_star = kLargestStar;
-  const auto quickly = [&] { return attempts.count(plc.F.rows(), tetrahedralize(plc, quick, context)); };
-  Result<TetgenResult> first =
-      large ? tetrahedralize_delaunay_first(plc, context, {.patience = options.patience}, std::move(begun))
-            : quickly();
-  if (large && !settled(first)) first = quickly();
-  if (settled(first)) {
-    const bool crowded = first.ok() && static_cast<double>(first.value().T.rows()) >
-                                           kCrowd * static_cast<double>(first.value().V.rows());
-    if (!crowded || !options.quality) return first;
-    Result<TetgenResult> refined = tetrahedralize(plc, options, context);
-    return settled(refined) ? std::move(refined) : std::move(first);
+// One mesh, to be got by several means.
+struct Recovery {
+  const Plc& plc;
+  const TetgenOptions& options;
+  const RunContext& context;
+  Attempts& attempts;
+  DelaunayBuilder begun;
+
+  TetgenOptions without_points() const {
+    TetgenOptions plain = options;
+    plain.quality = false;
+    return plain;
   }
-  if (options.quality)
-    if (Result<TetgenResult> again = shuffled(plc, options, context, attempts); settled(again)) return again;
-  if (Result<TetgenResult> again = shuffled(plc, plain, context, attempts); settled(again)) return again;
-  if (delaunay && attempts.left())
-    if (Result<TetgenResult> again = tetrahedralize_delaunay_first(
-            plc, context, {.most_missing = 1, .most_left = 10, .patience = options.patience});
-        settled(again))
-      return again;
-  if (options.keep_facets && options.accept_split)
-    if (Result<TetgenResult> again = tetrahedralize_split(plc, plain, context, attempts); settled(again))
-      return again;
-  return first;
+  bool may_split() const { return options.keep_facets && options.accept_split; }
+  bool may_be_delaunay() const { return plc.holes.rows() == 0 && may_split() && !options.fill_convex_hull; }
+};
+
+// Points inside, where they are allowed and the mesh without them is crowded: flat tets fill gaps.
+Result<TetgenResult> refined(const Recovery& r, Result<TetgenResult> mesh) {
+  if (!mesh || !r.options.quality) return mesh;
+  const TetgenResult& x = mesh.value();
+  if (static_cast<double>(x.T.rows()) <= kCrowd * static_cast<double>(x.V.rows())) return mesh;
+  Result<TetgenResult> better = tetrahedralize(r.plc, r.options, r.context);
+  return settled(better) ? std::move(better) : std::move(mesh);
+}
+
+Result<TetgenResult> delaunay_first(Recovery& r) {
+  return refined(r, tetrahedralize_delaunay_first(r.plc, r.context, {.patience = r.options.patience},
+                                                  std::move(r.begun)));
+}
+
+Result<TetgenResult> in_the_given_order(Recovery& r) {
+  TetgenOptions quick = r.without_points();
+  quick.largest_star = kLargestFlip;
+  return refined(r, r.attempts.count(r.plc.F.rows(), tetrahedralize(r.plc, quick, r.context)));
+}
+
+Result<TetgenResult> in_other_orders(Recovery& r) {
+  return shuffled(r.plc, r.options, r.context, r.attempts);
+}
+
+Result<TetgenResult> in_other_orders_without_points(Recovery& r) {
+  return shuffled(r.plc, r.without_points(), r.context, r.attempts);
+}
+
+// However many facets are missing, and however many of them TetGen is left with.
+Result<TetgenResult> delaunay_at_any_price(Recovery& r) {
+  return tetrahedralize_delaunay_first(r.plc, r.context,
+                                       {.most_missing = 1, .most_left = 10, .patience = r.options.patience});
+}
+
+Result<TetgenResult> with_edges_cut(Recovery& r) {
+  return tetrahedralize_split(r.plc, r.without_points(), r.context, r.attempts);
+}
+
+struct Means {
+  bool (*applies)(const Recovery& recovery);
+  Result<TetgenResult> (*run)(Recovery& recovery);
+};
+// In the order in which they are tried, until one settles it. The one that always applies says why not.
+constexpr std::array kMeans = {
+    Means{[](const Recovery& r) { return r.may_be_delaunay() && r.plc.F.rows() >= kLarge; }, delaunay_first},
+    Means{nullptr, in_the_given_order},
+    Means{[](const Recovery& r) { return r.options.quality; }, in_other_orders},
+    Means{[](const Recovery&) { return true; }, in_other_orders_without_points},
+    Means{[](const Recovery& r) { return r.may_be_delaunay() && r.attempts.left(); }, delaunay_at_any_price},
+    Means{[](const Recovery& r) { return r.may_split(); }, with_edges_cut}};
+
+Result<TetgenResult> by_all_means(Recovery recovery) {
+  Result<TetgenResult> failure = too_many();
+  for (const Means& means : kMeans) {
+    const bool always = means.applies == nullptr;
+    if (!always && !means.applies(recovery)) continue;
+    Result<TetgenResult> now = means.run(recovery);
+    if (settled(now)) return now;
+    if (always) failure = std::move(now);
+  }
+  return failure;
 }
 
 }  // namespace
@@ -218,10 +220,10 @@ Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptio
   TetgenOptions some = options;
   some.patience = std::min(options.patience, kFirstPatience);
   Attempts attempts(options);
-  Result<TetgenResult> first = by_all_means(plc, some, context, std::move(begun), attempts);
+  Result<TetgenResult> first = by_all_means({plc, some, context, attempts, std::move(begun)});
   if (settled(first) || !attempts.any_endless() || !(some.patience < options.patience)) return first;
   Attempts more(options);
-  return by_all_means(plc, options, context, {}, more);
+  return by_all_means({plc, options, context, more, {}});
 }
 
 DelaunayBuilder begin_delaunay(const VertexMatrix& V, Eigen::Index facets, const RunContext& context) {

@@ -15,10 +15,12 @@
 #include <cmath>
 #include <cstring>
 #include <numeric>
+#include <optional>
 #include <string>
 
 #include "src/cdt/tetgen_helper.h"
 #include "src/cdt/tetgen_wire.h"
+#include "src/cdt/tuning.h"
 
 extern char** environ;
 
@@ -29,16 +31,6 @@ namespace {
 using tetgen_wire::Outcome;
 using tetgen_wire::Reply;
 using tetgen_wire::Request;
-
-// How long one wait for the child may take before cancellation and deadline are looked at again.
-constexpr int kPollMilliseconds = 20;
-
-// At needles, refinement for quality can go on for ever; natural inputs need about one added point a vertex.
-constexpr std::int64_t kMostPointsPerVertex = 4;
-
-// In some orders of points TetGen's flips never end; in another one, or in halves, they do. It usually calls
-// some hundred predicates a facet, and up to 9000 among needles: 5 million are a second.
-constexpr double kMostPredicates = 3e7, kMostPredicatesPerFacet = 3e4;
 
 double most_predicates(Eigen::Index facets) {
   return kMostPredicates + kMostPredicatesPerFacet * static_cast<double>(facets);
@@ -250,6 +242,130 @@ std::vector<Index> compact(TetgenResult& result, Eigen::Index input_vertices) {
   return lost;
 }
 
+VertexMatrix scaled(const VertexMatrix& V, int exponent) {
+  return V.unaryExpr([exponent](double x) { return std::ldexp(x, exponent); });
+}
+
+// What the child is told. V, holes: scaled.
+struct Question {
+  Request request;
+  const VertexMatrix& V;
+  const TriangleMatrix& F;
+  const VertexMatrix& holes;
+};
+
+Request request_of(const Plc& plc, const TetgenOptions& options) {
+  Request request;
+  request.quality = options.quality;
+  request.keep_facets = options.keep_facets;
+  request.fill_convex_hull = options.fill_convex_hull;
+  request.vertices = plc.V.rows();
+  request.facets = plc.F.rows();
+  request.holes = plc.holes.rows();
+  request.radius_edge = options.radius_edge;
+  request.tolerance = options.tolerance;
+  request.largest_star = options.largest_star;
+  request.most_predicates = static_cast<std::int64_t>(options.patience * most_predicates(plc.F.rows()));
+  if (options.quality) request.most_points = kMostPointsPerVertex * plc.V.rows() + 10000;
+  return request;
+}
+
+// Fills the reply and, if that is good news, the result. False: the child is gone. An error: the run must
+// stop.
+Result<bool> converse(Child& child, const Question& question, const RunContext& context, Reply& reply,
+                      TetgenResult& result) {
+  const auto receive = [&](void* data, std::size_t bytes) { return child.receive(data, bytes, context); };
+  for (const auto& [data, bytes] :
+       {std::pair<const void*, std::size_t>{&question.request, sizeof question.request},
+        {question.V.data(), sizeof(double) * question.V.size()},
+        {question.F.data(), sizeof(Index) * question.F.size()},
+        {question.holes.data(), sizeof(double) * question.holes.size()}})
+    if (auto sent = child.send(data, bytes, context); !sent.ok() || !sent.value()) return sent;
+  if (auto got = receive(&reply, sizeof reply); !got.ok() || !got.value()) return got;
+  if (reply.magic != tetgen_wire::kMagic || reply.outcome != Outcome::done) return true;
+  if (reply.vertices < 0 || reply.tets < 0 || reply.facets < 0) return false;
+  const std::size_t bytes = 24 * static_cast<std::size_t>(reply.vertices) +
+                            32 * static_cast<std::size_t>(reply.tets) +
+                            20 * static_cast<std::size_t>(reply.facets);
+  if (auto error = context.no_room_for(bytes)) return *error;
+  result.V.resize(reply.vertices, 3);
+  result.T.resize(reply.tets, 4);
+  result.neighbours.resize(reply.tets, 4);
+  result.facets.resize(reply.facets, 3);
+  result.facet_sources.resize(static_cast<std::size_t>(reply.facets));
+  for (const auto& [data, size] :
+       {std::pair<void*, std::size_t>{result.V.data(), sizeof(double) * result.V.size()},
+        {result.T.data(), sizeof(Index) * result.T.size()},
+        {result.neighbours.data(), sizeof(Index) * result.neighbours.size()},
+        {result.facets.data(), sizeof(Index) * result.facets.size()},
+        {result.facet_sources.data(), sizeof(Index) * result.facet_sources.size()}})
+    if (auto got = receive(data, size); !got.ok() || !got.value()) return got;
+  return true;
+}
+
+// What is wrong, from the child's own words.
+std::optional<Error> refusal(const Reply& reply) {
+  switch (reply.outcome) {
+    case Outcome::done:
+      break;
+    case Outcome::out_of_memory:
+      return Error{.code = ErrorCode::limit,
+                   .message = "TetGen ran out of memory.",
+                   .reason = ErrorReason::memory_limit};
+    case Outcome::not_positive:
+      return unsolved("TetGen made " + std::to_string(reply.count) + " tets without volume.");
+    case Outcome::gave_up:
+      return unsolved(reply.tetgen_code == 3 ? "TetGen found facets that cross each other."
+                      : reply.tetgen_code == 4
+                          ? "TetGen found features below its tolerance."
+                          : "TetGen gave up (its code " + std::to_string(reply.tetgen_code) + ").");
+    case Outcome::endless:
+      return Error{ErrorCode::unsolved, "TetGen's flips did not come to an end.", std::nullopt,
+                   ErrorReason::endless};
+    case Outcome::protocol:
+      return Error{ErrorCode::internal, "overtet-tetgen did not understand its input."};
+  }
+  return std::nullopt;
+}
+
+// Scales back, drops points that are not used, and looks whether the input's vertices are there. pre: no
+// refusal.
+std::optional<Error> take_vertices(const Plc& plc, const TetgenOptions& options, int exponent,
+                                   TetgenResult& result) {
+  if (result.T.rows() == 0) return unsolved("TetGen found no volume inside the facets; are they closed?");
+
+  if (result.V.rows() < plc.V.rows()) return unsolved("TetGen lost input vertices.");
+  result.V = scaled(result.V, exponent);
+  for (Eigen::Index v = 0; v < plc.V.rows(); ++v)
+    if (std::memcmp(result.V.data() + 3 * v, plc.V.data() + 3 * v, 3 * sizeof(double)) != 0)
+      return unsolved("TetGen moved or renumbered vertex " + std::to_string(v) + ".");
+  if (const auto lost = compact(result, plc.V.rows()); !lost.empty() && !options.accept_unused)
+    return unsolved("TetGen left out " + std::to_string(lost.size()) + " input vertices (" +
+                    vertex_list(lost) + ").");
+  return std::nullopt;
+}
+
+// Finds out what each facet is part of, and whether all are there. pre: take_vertices() found nothing wrong.
+std::optional<Error> take_facets(const Plc& plc, const TetgenOptions& options, TetgenResult& result) {
+  result.facet_markers.resize(result.facet_sources.size());
+  for (std::size_t f = 0; f < result.facet_sources.size(); ++f) {
+    const Index source = result.facet_sources[f];
+    if (source < 0 || source >= plc.F.rows()) return unsolved("TetGen lost track of a facet.");
+    result.facet_markers[f] = plc.markers.empty() ? 1 : plc.markers[source];
+  }
+  if (options.keep_facets && !options.accept_split) {
+    std::vector<char> seen(plc.F.rows(), 0);
+    bool same = result.facets.rows() == plc.F.rows();
+    for (Eigen::Index f = 0; same && f < result.facets.rows(); ++f) {
+      const Index source = result.facet_sources[f];
+      same = !seen[source] && sorted(result.facets, f) == sorted(plc.F, source);
+      seen[source] = 1;
+    }
+    if (!same) return unsolved("TetGen could not keep every facet whole.");
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 Status TetgenOptions::validate() const {
@@ -271,115 +387,25 @@ Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options
   // The largest coordinate becomes about 1; a power of two changes no bit of any mantissa.
   int exponent = 0;
   std::frexp(plc.V.cwiseAbs().maxCoeff(), &exponent);
-  const auto scaled = [](const VertexMatrix& V, int by) {
-    return VertexMatrix(V.unaryExpr([by](double x) { return std::ldexp(x, by); }));
-  };
-  const VertexMatrix V = scaled(plc.V, -exponent);
+  const VertexMatrix V = scaled(plc.V, -exponent), holes = scaled(plc.holes, -exponent);
   if (scaled(V, exponent) != plc.V)
     return Error{ErrorCode::bad_input,
                  "Some coordinates are too small beside the others to be scaled exactly."};
-  const VertexMatrix holes = scaled(plc.holes, -exponent);
 
   Child child;
   if (auto status = child.start(context); !status.ok()) return status.error();
-
-  Request request;
-  request.quality = options.quality;
-  request.keep_facets = options.keep_facets;
-  request.fill_convex_hull = options.fill_convex_hull;
-  request.vertices = V.rows();
-  request.facets = plc.F.rows();
-  request.holes = holes.rows();
-  request.radius_edge = options.radius_edge;
-  request.tolerance = options.tolerance;
-  request.largest_star = options.largest_star;
-  request.most_predicates = static_cast<std::int64_t>(options.patience * most_predicates(plc.F.rows()));
-  if (options.quality) request.most_points = kMostPointsPerVertex * plc.V.rows() + 10000;
-
   Reply reply;
   reply.magic = 0;
   TetgenResult result;
-  const auto talk = [&]() -> Result<bool> {
-    const auto send = [&](const void* data, std::size_t bytes) { return child.send(data, bytes, context); };
-    const auto receive = [&](void* data, std::size_t bytes) { return child.receive(data, bytes, context); };
-    for (const auto& [data, bytes] : {std::pair<const void*, std::size_t>{&request, sizeof request},
-                                      {V.data(), sizeof(double) * V.size()},
-                                      {plc.F.data(), sizeof(Index) * plc.F.size()},
-                                      {holes.data(), sizeof(double) * holes.size()}})
-      if (auto sent = send(data, bytes); !sent.ok() || !sent.value()) return sent;
-    if (auto got = receive(&reply, sizeof reply); !got.ok() || !got.value()) return got;
-    if (reply.magic != tetgen_wire::kMagic || reply.outcome != Outcome::done) return true;
-    if (reply.vertices < 0 || reply.tets < 0 || reply.facets < 0) return false;
-    const std::size_t bytes = 24 * static_cast<std::size_t>(reply.vertices) +
-                              32 * static_cast<std::size_t>(reply.tets) +
-                              20 * static_cast<std::size_t>(reply.facets);
-    if (auto error = context.no_room_for(bytes)) return *error;
-    result.V.resize(reply.vertices, 3);
-    result.T.resize(reply.tets, 4);
-    result.neighbours.resize(reply.tets, 4);
-    result.facets.resize(reply.facets, 3);
-    result.facet_sources.resize(static_cast<std::size_t>(reply.facets));
-    for (const auto& [data, size] :
-         {std::pair<void*, std::size_t>{result.V.data(), sizeof(double) * result.V.size()},
-          {result.T.data(), sizeof(Index) * result.T.size()},
-          {result.neighbours.data(), sizeof(Index) * result.neighbours.size()},
-          {result.facets.data(), sizeof(Index) * result.facets.size()},
-          {result.facet_sources.data(), sizeof(Index) * result.facet_sources.size()}})
-      if (auto got = receive(data, size); !got.ok() || !got.value()) return got;
-    return true;
-  }();
+  const Result<bool> talk =
+      converse(child, {request_of(plc, options), V, plc.F, holes}, context, reply, result);
   if (!talk.ok()) return talk.error();
   // The child's end of the socket is closed or all is said: it is leaving.
   const int status = child.reap();
   if (!talk.value() || reply.magic != tetgen_wire::kMagic) return explain_end(status, context);
-
-  switch (reply.outcome) {
-    case Outcome::done:
-      break;
-    case Outcome::out_of_memory:
-      return Error{.code = ErrorCode::limit,
-                   .message = "TetGen ran out of memory.",
-                   .reason = ErrorReason::memory_limit};
-    case Outcome::not_positive:
-      return unsolved("TetGen made " + std::to_string(reply.count) + " tets without volume.");
-    case Outcome::gave_up:
-      return unsolved(reply.tetgen_code == 3 ? "TetGen found facets that cross each other."
-                      : reply.tetgen_code == 4
-                          ? "TetGen found features below its tolerance."
-                          : "TetGen gave up (its code " + std::to_string(reply.tetgen_code) + ").");
-    case Outcome::endless:
-      return Error{ErrorCode::unsolved, "TetGen's flips did not come to an end.", std::nullopt,
-                   ErrorReason::endless};
-    case Outcome::protocol:
-      return Error{ErrorCode::internal, "overtet-tetgen did not understand its input."};
-  }
-  if (result.T.rows() == 0) return unsolved("TetGen found no volume inside the facets; are they closed?");
-
-  if (result.V.rows() < plc.V.rows()) return unsolved("TetGen lost input vertices.");
-  result.V = scaled(result.V, exponent);
-  for (Eigen::Index v = 0; v < plc.V.rows(); ++v)
-    if (std::memcmp(result.V.data() + 3 * v, plc.V.data() + 3 * v, 3 * sizeof(double)) != 0)
-      return unsolved("TetGen moved or renumbered vertex " + std::to_string(v) + ".");
-  if (const auto lost = compact(result, plc.V.rows()); !lost.empty() && !options.accept_unused)
-    return unsolved("TetGen left out " + std::to_string(lost.size()) + " input vertices (" +
-                    vertex_list(lost) + ").");
-
-  result.facet_markers.resize(result.facet_sources.size());
-  for (std::size_t f = 0; f < result.facet_sources.size(); ++f) {
-    const Index source = result.facet_sources[f];
-    if (source < 0 || source >= plc.F.rows()) return unsolved("TetGen lost track of a facet.");
-    result.facet_markers[f] = plc.markers.empty() ? 1 : plc.markers[source];
-  }
-  if (options.keep_facets && !options.accept_split) {
-    std::vector<char> seen(plc.F.rows(), 0);
-    bool same = result.facets.rows() == plc.F.rows();
-    for (Eigen::Index f = 0; same && f < result.facets.rows(); ++f) {
-      const Index source = result.facet_sources[f];
-      same = !seen[source] && sorted(result.facets, f) == sorted(plc.F, source);
-      seen[source] = 1;
-    }
-    if (!same) return unsolved("TetGen could not keep every facet whole.");
-  }
+  if (auto error = refusal(reply)) return *error;
+  if (auto error = take_vertices(plc, options, exponent, result)) return *error;
+  if (auto error = take_facets(plc, options, result)) return *error;
   result.predicates = reply.predicates;
   result.tetgen_facets = static_cast<Index>(plc.F.rows());
   result.seconds = std::chrono::duration<double>(RunContext::Clock::now() - begin).count();

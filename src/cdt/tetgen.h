@@ -38,6 +38,7 @@ struct TetgenOptions {
   Status validate() const;
 };
 
+// More than 12 members: a record of figures beside the mesh.
 struct TetgenResult {
   VertexMatrix V;         // #X x 3; the first #V rows are the input's, bit for bit
   TetMatrix T;            // #T x 4, positive

@@ -18,6 +18,7 @@
 
 #include "src/cdt/predicate_counter.h"
 #include "src/cdt/tetgen_wire.h"
+#include "src/cdt/tuning.h"
 
 namespace {
 
@@ -53,9 +54,6 @@ void write_all(const void* data, std::size_t bytes) {
   _exit(0);
 }
 
-// Without a predicate, only lists are gone through: at most some microseconds a facet.
-constexpr int kIdleSeconds = 10, kFacetsPerIdleSecond = 10'000;
-
 void give_up() {
   Reply reply;
   reply.outcome = Outcome::endless;
@@ -68,53 +66,71 @@ void limit(int what, unsigned long long value) {
   setrlimit(what, &r);
 }
 
-void run() {
-  Request request;
-  if (!read_all(&request, sizeof request) || request.magic != overtet::tetgen_wire::kMagic) finish({});
-  std::vector<double> points(3 * request.vertices);
-  std::vector<std::int32_t> corners(3 * request.facets);
-  std::vector<double> holes(3 * request.holes);
-  if (!read_all(points.data(), points.size() * sizeof(double)) ||
-      !read_all(corners.data(), corners.size() * sizeof(std::int32_t)) ||
-      !read_all(holes.data(), holes.size() * sizeof(double)))
-    finish({});
-
-  tetgenio in, out;
-  in.firstnumber = 0;
-  in.numberofpoints = static_cast<int>(request.vertices);
-  in.pointlist = points.data();
-  std::vector<tetgenio::polygon> polygons(request.facets);
-  std::vector<tetgenio::facet> facets(request.facets);
-  std::vector<int> markers(request.facets);
-  for (std::int64_t f = 0; f < request.facets; ++f) {
-    polygons[f].numberofvertices = 3;
-    polygons[f].vertexlist = corners.data() + 3 * f;
-    tetgenio::init(&facets[f]);
-    facets[f].polygonlist = &polygons[f];
-    facets[f].numberofpolygons = 1;
-    markers[f] = static_cast<int>(f) + 1;
+// The request's complex in TetGen's form, which points into what is stored here.
+class Input {
+ public:
+  Input(const Request& request, tetgenio& in)
+      : in_(in),
+        points_(3 * request.vertices),
+        corners_(3 * request.facets),
+        holes_(3 * request.holes),
+        polygons_(request.facets),
+        facets_(request.facets),
+        markers_(request.facets) {
+    if (!read_all(points_.data(), points_.size() * sizeof(double)) ||
+        !read_all(corners_.data(), corners_.size() * sizeof(std::int32_t)) ||
+        !read_all(holes_.data(), holes_.size() * sizeof(double)))
+      finish({});
+    in.firstnumber = 0;
+    in.numberofpoints = static_cast<int>(request.vertices);
+    in.pointlist = points_.data();
+    for (std::int64_t f = 0; f < request.facets; ++f) {
+      polygons_[f].numberofvertices = 3;
+      polygons_[f].vertexlist = corners_.data() + 3 * f;
+      tetgenio::init(&facets_[f]);
+      facets_[f].polygonlist = &polygons_[f];
+      facets_[f].numberofpolygons = 1;
+      markers_[f] = static_cast<int>(f) + 1;
+    }
+    in.numberoffacets = static_cast<int>(request.facets);
+    in.facetlist = facets_.data();
+    in.facetmarkerlist = markers_.data();
+    in.numberofholes = static_cast<int>(request.holes);
+    in.holelist = holes_.data();
   }
-  in.numberoffacets = static_cast<int>(request.facets);
-  in.facetlist = facets.data();
-  in.facetmarkerlist = markers.data();
-  in.numberofholes = static_cast<int>(request.holes);
-  in.holelist = holes.data();
+  // TetGen must not free what is not its own.
+  ~Input() {
+    in_.pointlist = in_.holelist = nullptr;
+    in_.facetlist = nullptr;
+    in_.facetmarkerlist = nullptr;
+  }
+  Input(const Input&) = delete;
+  Input& operator=(const Input&) = delete;
 
+ private:
+  tetgenio& in_;
+  std::vector<double> points_;
+  std::vector<std::int32_t> corners_;
+  std::vector<double> holes_;
+  std::vector<tetgenio::polygon> polygons_;
+  std::vector<tetgenio::facet> facets_;
+  std::vector<int> markers_;
+};
+
+void set_up(const Request& request, tetgenbehavior& behaviour) {
   std::string switches = "pnQ";
+  char text[40];
   if (request.keep_facets) switches += "Y";
   if (request.fill_convex_hull) switches += "c";
   if (request.quality) {
-    char text[40];
     std::snprintf(text, sizeof text, "q%.6g", request.radius_edge);
     switches += text;
   }
   if (request.most_points > 0) switches += "S" + std::to_string(request.most_points);
   if (request.tolerance > 0) {
-    char text[40];
     std::snprintf(text, sizeof text, "T%.3g", request.tolerance);
     switches += text;
   }
-  tetgenbehavior behaviour;
   if (!behaviour.parse_commandline(switches.data())) finish({});
   // Every facet counts for itself, no vertex is merged with another or dropped.
   behaviour.nomergefacet = 1;
@@ -123,45 +139,30 @@ void run() {
   behaviour.zeroindex = 1;
   behaviour.quiet = 1;
   if (request.largest_star > 0) behaviour.flipstarsize = static_cast<int>(request.largest_star);
+}
 
-  namespace watch = overtet::predicate_watch;
-  watch::begin(request.most_predicates,
-               kIdleSeconds + static_cast<int>(request.facets / kFacetsPerIdleSecond), give_up);
-  Reply reply;
-  try {
-    tetrahedralize(&behaviour, &in, &out, nullptr, nullptr);
-  } catch (int code) {
-    reply.outcome = code == 1 ? Outcome::out_of_memory : Outcome::gave_up;
-    reply.tetgen_code = code;
-    finish(reply);
-  }
-
-  reply.predicates = watch::calls();
-  watch::end();
-
-  // TetGen's predicates are exact and still set up for this mesh. Its tets are the mirror image of ours.
+// Turns all tets, which are the mirror images of ours, and counts those without volume. TetGen's predicates
+// are exact and still set up for this mesh.
+std::int64_t turn_tets(tetgenio& out) {
+  const auto side = [&](const int* corner) {
+    return orient3d(out.pointlist + 3 * corner[0], out.pointlist + 3 * corner[1],
+                    out.pointlist + 3 * corner[2], out.pointlist + 3 * corner[3]);
+  };
   const int n = out.numberoftetrahedra;
   for (int t = 0; t < n; ++t) {
     int* corner = out.tetrahedronlist + 4 * t;
-    if (orient3d(out.pointlist + 3 * corner[0], out.pointlist + 3 * corner[1], out.pointlist + 3 * corner[2],
-                 out.pointlist + 3 * corner[3]) > 0) {
+    if (side(corner) > 0) {
       std::swap(corner[2], corner[3]);
       if (out.neighborlist) std::swap(out.neighborlist[4 * t + 2], out.neighborlist[4 * t + 3]);
     }
   }
   std::int64_t flat = 0;
-  for (int t = 0; t < n; ++t) {
-    const int* corner = out.tetrahedronlist + 4 * t;
-    if (!(orient3d(out.pointlist + 3 * corner[0], out.pointlist + 3 * corner[1],
-                   out.pointlist + 3 * corner[2], out.pointlist + 3 * corner[3]) < 0))
-      ++flat;
-  }
-  if (flat > 0) {
-    reply.outcome = Outcome::not_positive;
-    reply.count = flat;
-    finish(reply);
-  }
+  for (int t = 0; t < n; ++t) flat += !(side(out.tetrahedronlist + 4 * t) < 0);
+  return flat;
+}
 
+void send(const tetgenio& out, Reply reply) {
+  const int n = out.numberoftetrahedra;
   reply.outcome = Outcome::done;
   reply.vertices = out.numberofpoints;
   reply.tets = n;
@@ -175,6 +176,36 @@ void run() {
   write_all(out.neighborlist, sizeof(int) * 4 * n);
   write_all(out.trifacelist, sizeof(int) * 3 * out.numberoftrifaces);
   write_all(source.data(), sizeof(std::int32_t) * source.size());
+}
+
+void run() {
+  Request request;
+  if (!read_all(&request, sizeof request) || request.magic != overtet::tetgen_wire::kMagic) finish({});
+  tetgenio in, out;
+  const Input input(request, in);
+  tetgenbehavior behaviour;
+  set_up(request, behaviour);
+
+  namespace watch = overtet::predicate_watch;
+  watch::begin(request.most_predicates,
+               kIdleSeconds + static_cast<int>(request.facets / kFacetsPerIdleSecond), give_up);
+  Reply reply;
+  try {
+    tetrahedralize(&behaviour, &in, &out, nullptr, nullptr);
+  } catch (int code) {
+    reply.outcome = code == 1 ? Outcome::out_of_memory : Outcome::gave_up;
+    reply.tetgen_code = code;
+    finish(reply);
+  }
+  reply.predicates = watch::calls();
+  watch::end();
+
+  if (const std::int64_t flat = turn_tets(out); flat > 0) {
+    reply.outcome = Outcome::not_positive;
+    reply.count = flat;
+    finish(reply);
+  }
+  send(out, reply);
   _exit(0);
 }
 

@@ -359,7 +359,7 @@ int run(const InspectCommand& command, const CommonOptions& common, Terminal& te
   SurfaceReadInfo info;
   const Result<Surface> surface = read_surface(command.input, &info);
   if (!surface) return fail(terminal, surface.error());
-  const Result<Inspection> found = inspect(surface.value(), true, context);
+  const Result<Inspection> found = inspect(surface.value(), InspectionDepth::everything, context);
   if (!found) return fail(terminal, found.error());
   CloseLook look;
   if (found.value().usable()) {

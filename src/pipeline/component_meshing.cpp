@@ -8,20 +8,11 @@
 #include "src/cdt/tetgen.h"
 #include "src/immersion/immersion.h"
 #include "src/pipeline/stage_clock.h"
+#include "src/pipeline/tuning.h"
 
 namespace overtet {
 
 namespace {
-
-// Every part is compared with every group; beyond this number that takes longer than it saves.
-constexpr std::size_t kMostParts = 20000;
-
-// That surround one without a mesh, tried one by one.
-constexpr std::size_t kMostCarriers = 3;
-
-// With TetGen where nothing crosses: what it does not fill like this, the immersion route, which may cut the
-// surface's edges on the way, does better.
-constexpr double kPlainPatience = 0.3;
 
 struct Box {
   Eigen::RowVector3d low = Eigen::RowVector3d::Constant(1e300), high = Eigen::RowVector3d::Constant(-1e300);
@@ -42,10 +33,6 @@ struct Part {
   Box box;
 };
 using Group = std::vector<Part>;  // meshed together
-
-bool ends_run(const Error& e) {
-  return e.code == ErrorCode::limit || e.code == ErrorCode::interrupted || e.code == ErrorCode::io;
-}
 
 bool meet(const Group& a, const Group& b) {
   return std::any_of(a.begin(), a.end(), [&](const Part& x) {
@@ -111,10 +98,10 @@ PartSurface taken_out(const Surface& surface, const SurfaceTopology& topology, c
 
 class PartsMesher {
  public:
-  explicit PartsMesher(const PartsRoute& route) : route_(route) {}
+  explicit PartsMesher(const MeshingJob& job) : job_(job) {}
 
   Result<TetMesh> run(StageRecord& record) {
-    std::vector<Part> parts = find_parts(route_.surface, route_.diagnosis);
+    std::vector<Part> parts = find_parts(job_.surface, job_.diagnosis);
     const std::size_t count = parts.size();
     record.figures.emplace_back("parts", static_cast<std::int64_t>(count));
     std::vector<Group> waiting;
@@ -127,7 +114,7 @@ class PartsMesher {
     }
     std::reverse(waiting.begin(), waiting.end());  // the first is taken from the back
     while (!waiting.empty()) {
-      if (auto stop = route_.context.stop()) return *stop;
+      if (auto stop = job_.context.stop()) return *stop;
       Group group = std::move(waiting.back());
       waiting.pop_back();
       Result<Piece> piece = mesh(group);
@@ -162,7 +149,7 @@ class PartsMesher {
     }
     record.figures.emplace_back("groups", static_cast<std::int64_t>(done_.size()));
     record.figures.emplace_back("immersed", immersed_);
-    TetMesh mesh = united(route_.surface.V, {done_.begin(), done_.end()});
+    TetMesh mesh = united(job_.surface.V, {done_.begin(), done_.end()});
     record.figures.emplace_back("tets", std::int64_t{mesh.T.rows()});
     return mesh;
   }
@@ -172,7 +159,7 @@ class PartsMesher {
     Group group;
   };
 
-  std::size_t component_count() const { return route_.diagnosis.topology.topology.components.size(); }
+  std::size_t component_count() const { return job_.diagnosis.topology.topology.components.size(); }
 
   static Part as_one(const Group& group) {
     Part whole;
@@ -222,7 +209,7 @@ class PartsMesher {
   }
 
   Result<Piece> mesh(const Group& group) {
-    const SurfaceTopology& topology = route_.diagnosis.topology.topology;
+    const SurfaceTopology& topology = job_.diagnosis.topology.topology;
     Piece piece;
     piece.group = group;
     std::vector<Index> components;
@@ -233,14 +220,14 @@ class PartsMesher {
     }
     const std::vector<char> in = flags(topology, components);
     const auto is_in = [&](Index f) { return in[topology.component_of_face[f]] != 0; };
-    PartSurface part_surface = taken_out(route_.surface, topology, in);
+    PartSurface part_surface = taken_out(job_.surface, topology, in);
     const Surface& s = part_surface.surface;
     piece.vertices = std::move(part_surface.vertices);
 
-    const bool crossing = std::any_of(route_.diagnosis.pairs.begin(), route_.diagnosis.pairs.end(),
+    const bool crossing = std::any_of(job_.diagnosis.pairs.begin(), job_.diagnosis.pairs.end(),
                                       [&](const FacePair& p) { return is_in(p.first) && is_in(p.second); });
     if (single && !crossing) {
-      Result<TetMesh> plain = mesh_plain(s, route_.context);
+      Result<TetMesh> plain = mesh_plain(s, job_.context);
       if (!plain && plain.error().code != ErrorCode::unsolved) return plain.error();
       if (plain) {
         piece.mesh = std::move(plain).value();
@@ -249,17 +236,17 @@ class PartsMesher {
     }
     DiagnoseOptions options;
     options.full_winding_range = false;
-    Result<Diagnosis> d = diagnose(s, options, route_.context);
+    Result<Diagnosis> d = diagnose(s, options, job_.context);
     if (!d) return d.error();
     if (auto refused = refuse(d.value())) return *refused;
-    Result<ImmersionResult> r = immerse(s, d.value().pairs, d.value().wound.edges, {}, route_.context);
+    Result<ImmersionResult> r = immerse(s, d.value().pairs, d.value().wound.edges, {}, job_.context);
     if (!r) return r.error();
     ++immersed_;
     piece.mesh = std::move(r.value().mesh);
     return piece;
   }
 
-  const PartsRoute& route_;
+  const MeshingJob& job_;
   std::vector<Piece> done_;
   std::int64_t immersed_ = 0;
 };
@@ -277,7 +264,9 @@ Result<TetMesh> mesh_plain(const Surface& surface, const RunContext& context) {
   plc.F = surface.F;
   TetgenOptions options;
   options.quality = worth_refining(surface.V, surface.F);
-  options.patience = kPlainPatience;
+  // What it does not fill like this, the immersion route, which may cut the surface's edges on the way, does
+  // better.
+  options.patience = kShortPatience;
   Result<TetgenResult> tets = tetrahedralize_stubbornly(plc, options, context);
   if (!tets) return tets.error();
   TetMesh mesh;
@@ -332,9 +321,9 @@ bool has_parts(const Surface& surface, const Diagnosis& d) {
   return false;
 }
 
-Result<TetMesh> mesh_by_parts(const PartsRoute& route) {
-  return timed_stage("parts", route.records, route.context,
-                     [&](StageRecord& record) { return PartsMesher(route).run(record); });
+Result<TetMesh> mesh_by_parts(const MeshingJob& job) {
+  return timed_stage("parts", job.records, job.context,
+                     [&](StageRecord& record) { return PartsMesher(job).run(record); });
 }
 
 }  // namespace overtet

@@ -13,7 +13,7 @@
 #include "overtet/run_context.h"
 #include "overtet/types.h"
 #include "src/certificates/diagnose.h"
-#include "src/report/report.h"
+#include "src/pipeline/meshing_job.h"
 
 namespace overtet {
 
@@ -36,17 +36,10 @@ struct PartMesh {
 // One mesh with the surface vertices V; those in `parts` are not looked at.
 TetMesh united(const VertexMatrix& V, const std::vector<PartMesh>& parts);
 
-struct PartsRoute {
-  const Surface& surface;  // in the unit box
-  const Diagnosis& diagnosis;
-  const RunContext& context;
-  std::vector<StageRecord>& records;
-};
-
 // Whether several parts lie so close to each other that meshing them one by one is worth while.
 bool has_parts(const Surface& surface, const Diagnosis& diagnosis);
 
 // A positive tet mesh of the surface, not yet checked. pre: has_parts().
-Result<TetMesh> mesh_by_parts(const PartsRoute& route);
+Result<TetMesh> mesh_by_parts(const MeshingJob& job);
 
 }  // namespace overtet

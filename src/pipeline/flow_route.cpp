@@ -8,6 +8,7 @@
 #include "src/forward_flow/forward_flow.h"
 #include "src/pipeline/locked_patch.h"
 #include "src/pipeline/stage_clock.h"
+#include "src/pipeline/tuning.h"
 #include "src/reverse_flow/reverse_flow.h"
 #include "src/tet_mesh/tet_mesh.h"
 #include "src/verify/verify.h"
@@ -17,21 +18,10 @@ namespace overtet {
 
 namespace {
 
-// A reverse flow that takes more than this (one to a few minutes) has locked; what it has by then is judged
-// as it is.
-constexpr double kReverseWork = 2e7, kReverseWorkOfFace = 600;
-// Of the time that is left, where there is a limit.
-constexpr double kReverseTime = 0.4, kMapTime = 0.8;
-
-void say_cut(const FlowRoute& r, const char* stage) {
+void say_cut(const MeshingJob& r, const char* stage) {
   r.context.note(LogLevel::warning, std::string(stage) +
                                         " ended early because of the time limit: "
                                         "with more time the result may be another one.");
-}
-
-template <class Geometry>
-Status keep(const FlowRoute& r, const char* name, const Geometry& geometry) {
-  return r.save ? r.save->save(name, geometry) : success();
 }
 
 Error damaged(const char* name) {
@@ -39,7 +29,7 @@ Error damaged(const char* name) {
           std::string("The stage ") + name + " to resume from does not fit the input; it is damaged."};
 }
 
-Result<ForwardFlowResult> flow_forward(const FlowRoute& r, const ForwardFlowOptions& options) {
+Result<ForwardFlowResult> flow_forward(const MeshingJob& r, const ForwardFlowOptions& options) {
   return timed_stage("forward_flow", r.records, r.context,
                      [&](StageRecord& record) -> Result<ForwardFlowResult> {
                        std::vector<std::array<Index, 2>> pairs;
@@ -56,7 +46,7 @@ Result<ForwardFlowResult> flow_forward(const FlowRoute& r, const ForwardFlowOpti
                      });
 }
 
-Result<ReverseFlowResult> flow_back(const FlowRoute& r, const ForwardFlowResult& forward,
+Result<ReverseFlowResult> flow_back(const MeshingJob& r, const ForwardFlowResult& forward,
                                     ReverseFlowOptions options) {
   return timed_stage(
       "reverse_flow", r.records, r.context, [&](StageRecord& record) -> Result<ReverseFlowResult> {
@@ -65,7 +55,7 @@ Result<ReverseFlowResult> flow_back(const FlowRoute& r, const ForwardFlowResult&
           for (std::size_t i = 0; i < forward.states.size(); ++i)
             stages.push_back(forward.state(r.surface.V, i));
         options.max_work = kReverseWork + kReverseWorkOfFace * static_cast<double>(r.surface.F.rows());
-        options.max_seconds = std::min(options.max_seconds, kReverseTime * r.context.seconds_left());
+        options.max_seconds = std::min(options.max_seconds, kWayBackTime * r.context.seconds_left());
         Result<ReverseFlowResult> back =
             reverse_flow(r.surface, forward.V, stages, forward.reverse_free, options, r.context);
         if (!back) return back;
@@ -85,7 +75,7 @@ Result<ReverseFlowResult> flow_back(const FlowRoute& r, const ForwardFlowResult&
       });
 }
 
-Result<TetMesh> fill(const FlowRoute& r, const VertexMatrix& U0) {
+Result<TetMesh> fill(const MeshingJob& r, const VertexMatrix& U0) {
   Result<TetMesh> mesh =
       timed_stage("tet_mesh", r.records, r.context, [&](StageRecord& record) -> Result<TetMesh> {
         Result<TetMeshResult> filled = tet_mesh({U0, r.surface.F}, {}, r.context);
@@ -101,14 +91,18 @@ Result<TetMesh> fill(const FlowRoute& r, const VertexMatrix& U0) {
   return mesh;
 }
 
-// What locks is kept as a problem of its own. careful: with more around it that may move, a force that grows
-// slowly, and more vertices added.
-Result<TetMesh> map(const FlowRoute& r, const TetMesh& mesh, bool careful) {
+enum class MapCare {
+  usual,
+  careful  // more around what is away that may move, a force that grows slowly, and more vertices added
+};
+
+// What locks is kept as a problem of its own.
+Result<TetMesh> map(const MeshingJob& r, const TetMesh& mesh, MapCare care) {
   Status kept = success();
   Result<TetMesh> mapped =
       timed_stage("volume_map", r.records, r.context, [&](StageRecord& record) -> Result<TetMesh> {
         VolumeMapOptions options;
-        if (careful) {
+        if (care == MapCare::careful) {
           options.interior_rings = 6;
           options.pull_growth = 1.6;
           options.rounds = 140;
@@ -137,16 +131,16 @@ Result<TetMesh> map(const FlowRoute& r, const TetMesh& mesh, bool careful) {
 }
 
 // A map that locks is tried once more in another way.
-Result<TetMesh> map_twice(const FlowRoute& r, const TetMesh& mesh) {
-  Result<TetMesh> mapped = map(r, mesh, false);
+Result<TetMesh> map_twice(const MeshingJob& r, const TetMesh& mesh) {
+  Result<TetMesh> mapped = map(r, mesh, MapCare::usual);
   if (mapped || mapped.error().code != ErrorCode::unsolved) return mapped;
-  Result<TetMesh> again = map(r, mesh, true);
+  Result<TetMesh> again = map(r, mesh, MapCare::careful);
   if (again || again.error().code != ErrorCode::unsolved) return again;
   return mapped;
 }
 
 // From a saved state on, the latest one there is; none when there is none.
-std::optional<Result<TetMesh>> resumed(const FlowRoute& r) {
+std::optional<Result<TetMesh>> resumed(const MeshingJob& r) {
   if (!r.resume) return std::nullopt;
   const auto surface_vertices = static_cast<Index>(r.surface.V.rows());
   if (r.resume->has("tet_mesh") && r.resume->has("embedded")) {
@@ -174,7 +168,7 @@ std::optional<Result<TetMesh>> resumed(const FlowRoute& r) {
 
 }  // namespace
 
-Result<TetMesh> mesh_by_flow(const FlowRoute& r) {
+Result<TetMesh> mesh_by_flow(const MeshingJob& r) {
   if (auto from_saved = resumed(r)) return *from_saved;
 
   const std::vector<ForwardFlowOptions> forward_ladder = forward_flow_ladder();
@@ -184,20 +178,17 @@ Result<TetMesh> mesh_by_flow(const FlowRoute& r) {
   Error last{ErrorCode::unsolved, "No flow was tried."};
   int maps = 0;
   TetMesh locked_once;  // what was mapped in vain, in one way only
-  const auto ends_the_run = [](const Error& e) {
-    return e.code == ErrorCode::limit || e.code == ErrorCode::interrupted || e.code == ErrorCode::io;
-  };
   for (std::size_t rung = 0; rung < rungs; ++rung) {
     const bool is_last = rung + 1 == rungs;
     Result<ForwardFlowResult> forward = flow_forward(r, forward_ladder[rung]);
     if (!forward) {
-      if (ends_the_run(forward.error())) return forward.error();
+      if (ends_run(forward.error())) return forward.error();
       last = {ErrorCode::unsolved, "Forward flow: " + forward.error().message};
     } else {
       if (Status s = keep(r, "flow_end", Surface{forward.value().V, r.surface.F}); !s) return s.error();
       Result<ReverseFlowResult> back = flow_back(r, forward.value(), reverse_ladder[rung]);
       if (!back) {
-        if (ends_the_run(back.error())) return back.error();
+        if (ends_run(back.error())) return back.error();
         last = {ErrorCode::unsolved, "Reverse flow: " + back.error().message};
       } else if (!best || back.value().quality.area_p01 > best->quality.area_p01) {
         best = std::move(back).value();
@@ -210,19 +201,19 @@ Result<TetMesh> mesh_by_flow(const FlowRoute& r) {
     Result<TetMesh> filled = fill(r, best->U0);
     if (filled) {
       ++maps;
-      Result<TetMesh> mapped = map(r, filled.value(), false);
-      if (mapped || ends_the_run(mapped.error())) return mapped;
+      Result<TetMesh> mapped = map(r, filled.value(), MapCare::usual);
+      if (mapped || ends_run(mapped.error())) return mapped;
       last = {ErrorCode::unsolved, "Volume map: " + mapped.error().message, mapped.error().place};
       locked_once = maps == 1 ? std::move(filled).value() : TetMesh();
     } else {
-      if (ends_the_run(filled.error())) return filled;
+      if (ends_run(filled.error())) return filled;
       last = {ErrorCode::unsolved, "Tet mesh: " + filled.error().message};
     }
   }
   // Only one embedding was worth mapping, and it locked before the ladder's end.
   if (locked_once.T.rows() > 0) {
-    Result<TetMesh> mapped = map(r, locked_once, true);
-    if (mapped || ends_the_run(mapped.error())) return mapped;
+    Result<TetMesh> mapped = map(r, locked_once, MapCare::careful);
+    if (mapped || ends_run(mapped.error())) return mapped;
   }
   return last;
 }

@@ -7,28 +7,13 @@
 // to be resumed by itself.
 #pragma once
 
-#include <functional>
-#include <span>
-#include <vector>
-
-#include "overtet/run_context.h"
+#include "overtet/result.h"
 #include "overtet/types.h"
-#include "src/certificates/diagnose.h"
-#include "src/pipeline/stage_files.h"
-#include "src/report/report.h"
+#include "src/pipeline/meshing_job.h"
 
 namespace overtet {
 
-struct FlowRoute {
-  const Surface& surface;  // in the unit box
-  const Diagnosis& diagnosis;
-  const RunContext& context;
-  std::vector<StageRecord>& records;
-  StageFiles* save = nullptr;          // where to keep the states
-  const StageFiles* resume = nullptr;  // states of an earlier run
-};
-
 // A positive tet mesh of the surface, not yet checked.
-Result<TetMesh> mesh_by_flow(const FlowRoute& route);
+Result<TetMesh> mesh_by_flow(const MeshingJob& job);
 
 }  // namespace overtet

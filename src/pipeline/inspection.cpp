@@ -128,7 +128,7 @@ std::optional<WitnessRecord> witness_of(const Surface& surface, const Diagnosis&
 
 }  // namespace
 
-Result<Inspection> inspect(const Surface& surface, bool everything, const RunContext& context) {
+Result<Inspection> inspect(const Surface& surface, InspectionDepth depth, const RunContext& context) {
   Inspection r;
   const Index n = static_cast<Index>(surface.V.rows());
   const bool sane = n > 0 && surface.F.rows() > 0 && surface.V.allFinite() && surface.F.minCoeff() >= 0 &&
@@ -145,13 +145,13 @@ Result<Inspection> inspect(const Surface& surface, bool everything, const RunCon
     return r;
   }
   DiagnoseOptions options;
-  options.full_winding_range = everything;
+  options.full_winding_range = depth == InspectionDepth::everything;
   Result<Diagnosis> d = diagnose(surface, options, context);
   if (!d) return d.error();
   r.diagnosis = std::move(d).value();
   r.problem = refuse(r.diagnosis);
   if (r.problem && r.problem->code == ErrorCode::infeasible) r.witness = witness_of(surface, r.diagnosis);
-  if (everything)
+  if (depth == InspectionDepth::everything)
     if (Status s = look_for_conflict(surface, r, context); !s) return s.error();
   return r;
 }

@@ -25,9 +25,13 @@ struct Inspection {
   bool usable() const { return !problem || problem->code == ErrorCode::infeasible; }
 };
 
-// everything: the whole winding range even when a witness has been found, and look_for_conflict.
+enum class InspectionDepth {
+  verdict,    // until it is known whether a run may begin
+  everything  // the whole winding range even when a witness has been found, and look_for_conflict
+};
+
 // Errors: limit, interrupted. What is wrong with the surface is a finding, not an error.
-Result<Inspection> inspect(const Surface& surface, bool everything, const RunContext& context);
+Result<Inspection> inspect(const Surface& surface, InspectionDepth depth, const RunContext& context);
 
 // Whether the sheets of a solid can be glued at all along the curves (src/covering/gluing.h), where nothing
 // else forbids a mesh. If not, that is the inspection's verdict, problem and witness from now on. Errors:

@@ -7,12 +7,11 @@
 
 #include "src/mesh/tet_complex.h"
 #include "src/mesh/topology.h"
+#include "src/pipeline/tuning.h"
 
 namespace overtet {
 
 namespace {
-
-constexpr int kRings = 3;
 
 class Grower {
  public:
@@ -74,7 +73,7 @@ LockedPatch patch_around(const Surface& surface, const std::vector<FacePair>& pa
     if (sum < best) best = sum, nearest = f;
   }
   patch.add(nearest);
-  for (int ring = 0; ring < kRings; ++ring) patch.grow();
+  for (int ring = 0; ring < kLockedRings; ++ring) patch.grow();
   std::vector<Index> crossed;
   for (const auto& [f, g] : pairs) {
     if (patch.has(f)) crossed.push_back(g);
@@ -86,8 +85,6 @@ LockedPatch patch_around(const Surface& surface, const std::vector<FacePair>& pa
 }
 
 namespace {
-
-constexpr int kSolidRings = 3, kSolidRepairs = 20;
 
 LockedSolid cut_out(const TetMesh& mesh, const VertexMatrix& target, const std::vector<char>& in) {
   std::vector<Index> tets;
@@ -174,7 +171,7 @@ LockedSolid solid_around(const TetMesh& mesh, const VertexMatrix& target, const 
     return corners;
   };
   std::vector<Index> seeds = away;
-  for (int ring = 0; ring < kSolidRings; ++ring) seeds = add_stars(seeds);
+  for (int ring = 0; ring < kLockedRings; ++ring) seeds = add_stars(seeds);
   for (int repair = 0; repair < kSolidRepairs; ++repair) {
     LockedSolid patch = cut_out(mesh, target, in);
     std::vector<Index> pinched = pinched_at(patch.target);

@@ -18,6 +18,7 @@
 
 #include "overtet/run_context.h"
 #include "overtet/types.h"
+#include "src/pipeline/result_hash.h"
 #include "src/report/report.h"
 
 namespace overtet {
@@ -50,9 +51,5 @@ PipelineResult run_pipeline(const Surface& surface, const PipelineOptions& optio
 
 // The report's status for an error.
 RunStatus status_of(ErrorCode code);
-
-// FNV-1a over the numbers of vertices and tets and their bytes, as 16 hexadecimal digits.
-std::string hash_of(const TetMesh& mesh);
-std::string hash_of(const Surface& surface);
 
 }  // namespace overtet

@@ -11,54 +11,24 @@
 //  3. Less, in rounds: among other tets (the mesh improved, or the surface meshed anew) what was locked is
 //     free again, and is pulled once more. As long as vertices are further away than allowed, the farthest
 //     come nearer at the cost of others; after that as many as can go home. Then straight back, vertex by
-//     vertex, as far as the diagnosis does not object (src/repair/lessening.h).
+//     vertex, as far as the diagnosis does not object (moving_less.h).
 //
 // The second step finds what no smoothing can: how parts that are inside out fold up best. Where it does not
 // make things better, the first step's result stands; likewise with the third. Work is counted, not timed.
 #pragma once
 
-#include <functional>
+#include <Eigen/Core>
 #include <optional>
-#include <vector>
 
-#include "overtet/run_context.h"
-#include "overtet/types.h"
-#include "src/report/report.h"
+#include "overtet/result.h"
+#include "src/pipeline/repair_job.h"
 
 namespace overtet {
 
-struct MeshAttempt {
-  Status done = success();
-  TetMesh mesh;                            // in the input's space, checked
-  std::optional<Eigen::Vector3d> unglued;  // where the sheets could not be glued
-};
-
-struct RepairRoute {
-  const Surface& surface;
-  double max_move;  // relative to the diagonal of the bounding box
-  const RunContext& context;
-  std::vector<StageRecord>& records;
-  // a_luxury: there is a mesh of another repaired surface, so that none is worth waiting for.
-  std::function<MeshAttempt(const Surface&, bool a_luxury)> mesh;
-  std::function<MeshAttempt(const Surface&, TetMesh)> improve;  // a mesh of the surface that there is already
-};
-
-struct RepairedMesh {
-  Surface surface;
-  TetMesh mesh;         // of `surface`
-  bool pulled = false;  // since it was made, and not checked or improved after that
-  bool spread = false;  // and only brought nearer, not pulled home
-  std::vector<Index> moved;
-  double max_relative = 0, mean_relative = 0;  // of those that moved, to the diagonal
-};
-
-// first: why there is no mesh of the surface as it is, and where, if that is known.
-// Errors: `first`, where no repair was found, with what would do if larger moves were allowed; limit,
-// interrupted.
-Result<RepairedMesh> mesh_repaired(const RepairRoute& route, const Error& first,
+// first: why there is no mesh of the surface as it is; unglued: where its sheets could not be glued, if that
+// is known. Errors: `first`, where no repair was found, with what would do if larger moves were allowed;
+// limit, interrupted.
+Result<RepairedMesh> mesh_repaired(const RepairJob& job, const Error& first,
                                    std::optional<Eigen::Vector3d> unglued);
-
-// Errors of a run that repairing may help with.
-bool repairable(const Error& error);
 
 }  // namespace overtet

@@ -8,7 +8,7 @@
 #include "src/io/file.h"
 #include "src/io/surface_io.h"
 #include "src/io/tet_io.h"
-#include "src/pipeline/pipeline.h"
+#include "src/pipeline/result_hash.h"
 #include "src/report/report.h"
 
 namespace overtet {

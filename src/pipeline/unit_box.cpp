@@ -5,15 +5,11 @@
 #include <cstdio>
 #include <string>
 
+#include "src/pipeline/tuning.h"
+
 namespace overtet {
 
 namespace {
-
-// Volumes are products of three differences, which may be 2^-53 of the size: 2^(-3 * 240) and 2^(-3 * 53)
-// more still are normal numbers.
-constexpr int kMaxExponent = 240;
-// Extents that differ by more than 2^12 are scaled separately.
-constexpr int kUniformUpTo = 12;
 
 void scale(VertexMatrix& V, const UnitBox& box, int sign) {
   for (Eigen::Index v = 0; v < V.rows(); ++v)

@@ -8,8 +8,10 @@
 
 #include "kernels/bvh/self_intersections.h"
 #include "kernels/predicates/predicates.h"
-#include "src/cdt/facet_recovery.cpp"  // its single attempts are not in the header
+#include "src/cdt/facet_recovery.h"
+#include "src/cdt/split_edges.h"
 #include "src/cdt/tetgen.h"
+#include "src/cdt/tuning.h"
 #include "tests/cdt/sound.h"
 #include "tests/support/models.h"
 
@@ -71,12 +73,12 @@ TEST(TetgenStubborn, EveryAttemptKeepsThePromises) {
   for (Index f = 0; f < hole.F.rows(); ++f) plc.markers.push_back(1000 + f);
   plc.holes.resize(1, 3);
   plc.holes.row(0) = centre.transpose();
-  for (int number = 0; number < kAttempts; ++number)
+  for (int number = 0; number < kOrders; ++number)
     for (const bool quality : {false, true}) {
       SCOPED_TRACE(number);
       TetgenOptions options;
       options.quality = quality;
-      const auto r = attempt(plc, options, {}, number);
+      const auto r = tetrahedralize_in_order(plc, options, {}, number);
       ASSERT_TRUE(r.ok()) << r.error().message;
       const TetgenResult& t = r.value();
       ASSERT_GE(t.V.rows(), plc.V.rows());

@@ -438,7 +438,7 @@ TEST(Pipeline, StagesAreSavedAndResumed) {
 
 TEST(Pipeline, ThePatchAroundAPlaceIsPartOfTheSurface) {
   const Surface s = test::joined(test::elbow(150, 16), test::sphere(1, 0.2, {9, 0, 0}));
-  const Inspection found = inspect(s, false, {}).value();
+  const Inspection found = inspect(s, InspectionDepth::verdict, {}).value();
   ASSERT_FALSE(found.diagnosis.hinges.empty());
   const Index hinge = found.diagnosis.hinges.front().vertex;
   const LockedPatch patch = patch_around(s, found.diagnosis.pairs, s.V.row(hinge));

@@ -1,0 +1,26 @@
+// A surface's mesh, or, where there is none and repairing is asked for, that of a repaired surface: as one,
+// or where it has parts that repairs can tell apart, part by part first.
+#pragma once
+
+#include <optional>
+
+#include "overtet/result.h"
+#include "overtet/run_context.h"
+#include "overtet/types.h"
+#include "src/pipeline/pipeline.h"
+#include "src/pipeline/repair_job.h"
+
+namespace overtet {
+
+struct MeshedSurface {
+  TetMesh mesh;                // in the input's space, improved and checked
+  std::optional<Moves> moves;  // of a repaired surface
+};
+
+// Into the report goes what is found of the surface as it was read, and the stages' records as they come;
+// nothing of what was tried in vain. What the mesh is like is not.
+// Errors: why there is no mesh.
+Result<MeshedSurface> mesh_or_repair(const Surface& surface, const PipelineOptions& options,
+                                     const RunContext& context, Report& report);
+
+}  // namespace overtet

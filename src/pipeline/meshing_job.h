@@ -1,0 +1,41 @@
+// What a strategy for meshing a surface (strategies.h) is given. Internal to src/pipeline.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "overtet/run_context.h"
+#include "overtet/types.h"
+#include "src/certificates/diagnose.h"
+#include "src/pipeline/pipeline.h"
+#include "src/pipeline/stage_files.h"
+#include "src/pipeline/unit_box.h"
+#include "src/report/report.h"
+
+namespace overtet {
+
+struct MeshingJob {
+  const Surface& surface;  // in the unit box
+  const UnitBox& box;
+  const Diagnosis& diagnosis;
+  const RunContext& context;
+  std::vector<StageRecord>& records;  // every stage adds its own
+  Preset preset = Preset::standard;
+  double patience = 1;                     // with TetGen; src/cdt/tetgen.h
+  StageFiles* save = nullptr;              // where to keep the states
+  const StageFiles* resume = nullptr;      // states of an earlier run
+  std::optional<Error> part_without_mesh;  // of a part that has none by itself: why
+};
+
+// Keeps a state where the user asked for that. Errors: io.
+template <class Geometry>
+Status keep(const MeshingJob& job, const char* name, const Geometry& geometry) {
+  return job.save ? job.save->save(name, geometry) : success();
+}
+
+// Errors after which no other strategy is tried, whatever it could do.
+inline bool ends_run(const Error& e) {
+  return e.code == ErrorCode::limit || e.code == ErrorCode::interrupted || e.code == ErrorCode::io;
+}
+
+}  // namespace overtet
