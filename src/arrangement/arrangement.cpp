@@ -280,11 +280,11 @@ class Arranger {
     merge();
     Index last = 0;
     for (int round = 0; round < kTolerantRounds; ++round) {
-      const bool only_touching = round == 0 && !merged;
-      Result<ToleranceRound> done = cut_with_tolerance(points_, pieces_, near, only_touching, context);
+      const CutIf when = round == 0 && !merged ? CutIf::touching : CutIf::anything;
+      Result<ToleranceRound> done = cut_with_tolerance(points_, pieces_, near, when, context);
       if (!done) return done.error();
       const Index cut = done.value().cut;
-      if (only_touching && done.value().touching == 0)
+      if (when == CutIf::touching && done.value().touching == 0)
         return Error{ErrorCode::unsolved, "No parts of the surface touch each other within the tolerance."};
       if (cut == 0) {
         const std::vector<FacePair> crossing = intersections();
@@ -293,7 +293,7 @@ class Arranger {
       }
       if (round >= kSettlingRounds && cut > last) break;
       last = cut;
-      snap(near, true);
+      snap(near, SnapAt::all_pieces);
       merge();
     }
     return Error{ErrorCode::unsolved, "Parts of the surface are too close together to be told apart."};
@@ -306,7 +306,8 @@ class Arranger {
       if (auto error = Cutter(points_, pieces_).run(crossing, context)) return *error;
       if (round == 0)
         for (const Piece& p : pieces_) cut_faces_.push_back(p.cut ? p.sheet.face : -1);
-      snap(std::ldexp(1.0, std::ilogb(largest_) + kDistances[round / kRoundsPerDistance]), false);
+      snap(std::ldexp(1.0, std::ilogb(largest_) + kDistances[round / kRoundsPerDistance]),
+           SnapAt::cut_pieces);
       merge();
       crossing = intersections();
       if (crossing.empty()) return collect(round + 1);
@@ -408,12 +409,14 @@ class Arranger {
     return out;
   }
 
+  enum class SnapAt { cut_pieces, all_pieces };
+
   // Added points move onto an earlier point closer than the distance, input positions first. All others stay:
-  // moving them would only make new crossings. everywhere: not only at pieces that have been cut.
-  void snap(double near, bool everywhere) {
+  // moving them would only make new crossings.
+  void snap(double near, SnapAt where) {
     std::vector<char> used(points_.size(), 0);
     for (const Piece& piece : pieces_)
-      if (piece.cut || everywhere)
+      if (piece.cut || where == SnapAt::all_pieces)
         for (const Index v : piece.corners) used[v] = 1;
     // Cells of that size: whoever is near lies in a cell next to it.
     using Cell = std::array<double, 3>;

@@ -34,7 +34,7 @@ class TolerantCutter {
   TolerantCutter(std::vector<Vector3d>& points, std::vector<Piece>& pieces, double near)
       : points_(points), pieces_(pieces), near_(near) {}
 
-  Result<ToleranceRound> run(bool only_touching, const RunContext& context) {
+  Result<ToleranceRound> run(CutIf when, const RunContext& context) {
     const auto pairs = meeting_pairs();
     std::size_t done = 0;
     for (const auto& [f, g] : pairs) {
@@ -42,7 +42,7 @@ class TolerantCutter {
         if (auto stop = context.stop()) return *stop;
       compare(f, g);
     }
-    if (only_touching && round_.touching == 0) return round_;
+    if (when == CutIf::touching && round_.touching == 0) return round_;
     for (Index f = 0; f < static_cast<Index>(pieces_.size()); ++f)
       if (pieces_[f].fresh && pieces_[f].cut) close_needle(f);
     for (auto& [edge, list] : on_edge_) sort_along(edge, list);
@@ -401,8 +401,8 @@ class TolerantCutter {
 }  // namespace
 
 Result<ToleranceRound> cut_with_tolerance(std::vector<Eigen::Vector3d>& points, std::vector<Piece>& pieces,
-                                          double tolerance, bool only_touching, const RunContext& context) {
-  return TolerantCutter(points, pieces, tolerance).run(only_touching, context);
+                                          double tolerance, CutIf when, const RunContext& context) {
+  return TolerantCutter(points, pieces, tolerance).run(when, context);
 }
 
 }  // namespace overtet

@@ -24,11 +24,15 @@ struct ToleranceRound {
   Index touching = 0;  // times that a vertex was nearer than the tolerance to a piece, or an edge to an edge
 };
 
+enum class CutIf {
+  touching,  // something touches: nothing is cut where only crossings are to be cut
+  anything   // anything touches or crosses
+};
+
 // points, pieces: the complex; new points come after all present ones. Only pieces marked `fresh` are
 // compared with others; afterwards those that changed are. pre: no two vertices of different pieces are
-// nearer than the tolerance. only_touching: nothing is cut where nothing touches, whatever crosses. No piece
-// cut: nothing was to be done. Errors: limit, interrupted, unsolved.
+// nearer than the tolerance. No piece cut: nothing was to be done. Errors: limit, interrupted, unsolved.
 Result<ToleranceRound> cut_with_tolerance(std::vector<Eigen::Vector3d>& points, std::vector<Piece>& pieces,
-                                          double tolerance, bool only_touching, const RunContext& context);
+                                          double tolerance, CutIf when, const RunContext& context);
 
 }  // namespace overtet

@@ -188,7 +188,8 @@ void run() {
 
   namespace watch = overtet::predicate_watch;
   watch::begin(request.most_predicates,
-               kIdleSeconds + static_cast<int>(request.facets / kFacetsPerIdleSecond), give_up);
+               overtet::kIdleSeconds + static_cast<int>(request.facets / overtet::kFacetsPerIdleSecond),
+               give_up);
   Reply reply;
   try {
     tetrahedralize(&behaviour, &in, &out, nullptr, nullptr);

@@ -26,6 +26,7 @@ constexpr std::int64_t kEdgeGrain = 16;
 constexpr int kExactEnds = 16;  // subsets of so many ends are enumerated
 constexpr double kFar = std::numeric_limits<double>::infinity();
 
+// More than 12 members: what is known of the surface (six), and tables of it that each hinge uses (nine).
 class Assigner {
  public:
   Assigner(const Surface& surface, const SurfaceTopology& topology, const TriangleBvh& bvh,

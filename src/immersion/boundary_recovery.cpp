@@ -439,6 +439,18 @@ class Clearer {
     return path;
   }
 
+  // The star of a point on an edge p-n cut into sectors: by half-planes through the edge, sector j lies
+  // between slits j - 1 and j.
+  struct Sectors {
+    // A triangle of a slit, so that (v, a, b, fourth corner) is the tet of that sector.
+    struct Joint {
+      int sector;
+      Index a, b;
+    };
+    std::map<Index, int> of;  // tets of the star
+    std::vector<Joint> joints;
+  };
+
   // As the single move, for an edge p-n whose tets make almost a full turn or more (wound edges): no single
   // point sees both faces. The star of v is slit along half-planes through the edge, into sectors of less
   // than a half turn around each of several points, which take the place of v and are joined around the edge.
@@ -456,51 +468,10 @@ class Clearer {
       if (path.empty()) return false;
       slits.push_back(std::move(path));
     }
-    // Sectors: flood the star from the first face; crossing slit j leads from sector j to j + 1.
-    std::map<std::pair<Index, Index>, int> slit_of;
-    for (int j = 0; j < static_cast<int>(slits.size()); ++j)
-      for (std::size_t i = 0; i + 1 < slits[j].size(); ++i)
-        slit_of[std::minmax(slits[j][i], slits[j][i + 1])] = j;
     complex_.star(v, star_);
-    std::map<Index, int> sector;
     const Wedge fan = wedge(v, p);
-    sector[fan.tets.front()] = 0;
-    std::vector<Index> stack{fan.tets.front()};
-    struct Joint {
-      int sector;
-      Index a, b;  // of the slit, so that (v, a, b, fourth corner) is the tet of that sector
-    };
-    std::vector<Joint> joints;
-    while (!stack.empty()) {
-      const Index t = stack.back();
-      stack.pop_back();
-      const int here = sector[t], kv = complex_.corner(t, v);
-      for (int k = 0; k < 4; ++k) {
-        if (k == kv) continue;
-        const Index other = complex_.neighbour(t, k);
-        if (other < 0) continue;
-        Index edge[2];
-        int m = 0;
-        for (int j = 0; j < 4; ++j)
-          if (j != k && j != kv) edge[m++] = complex_.tet(t)[j];
-        int there = here;
-        if (const auto cut = slit_of.find(std::minmax(edge[0], edge[1])); cut != slit_of.end()) {
-          if (here != cut->second && here != cut->second + 1) return false;
-          there = here == cut->second ? here + 1 : here - 1;
-          if (there == here + 1) {
-            // Even permutations put v first and corner k last.
-            const bool even = even_permutation(kv, corner_of(t, edge[0]), corner_of(t, edge[1]), k);
-            joints.push_back({here, even ? edge[0] : edge[1], even ? edge[1] : edge[0]});
-          }
-        }
-        const auto [at, added] = sector.try_emplace(other, there);
-        if (added)
-          stack.push_back(other);
-        else if (at->second != there)
-          return false;
-      }
-    }
-    if (sector.size() != star_.size()) return false;
+    const std::optional<Sectors> sectors = find_sectors(v, fan.tets.front(), slits);
+    if (!sectors) return false;
 
     const Vector3d origin = complex_.position(v);
     double reach = 0;
@@ -508,13 +479,7 @@ class Clearer {
       for (const Index c : complex_.tet(t)) reach = std::max(reach, (complex_.position(c) - origin).norm());
     std::vector<Index> point{v};
     while (static_cast<int>(point.size()) < points) point.push_back(complex_.add_vertex(origin));
-    std::vector<TetComplex::Tet> tets;
-    for (const Index t : star_) {
-      auto tet = complex_.tet(t);
-      std::replace(tet.begin(), tet.end(), v, point[sector[t]]);
-      tets.push_back(tet);
-    }
-    for (const Joint& j : joints) tets.push_back({point[j.sector], j.b, j.a, point[j.sector + 1]});
+    std::vector<TetComplex::Tet> tets = joined(v, *sectors, point);
     for (int j = 0; j + 1 < points; ++j) tets.push_back({n, p, point[j], point[j + 1]});
     // The wedge runs from the second face to the first.
     for (std::size_t i = 0; i < caps.size(); ++i)
@@ -532,6 +497,64 @@ class Clearer {
     }
     complex_.move(v, origin);
     return false;
+  }
+
+  // Floods the star of v from the tet `first`, in sector 0; crossing slit j leads from sector j to j + 1.
+  // None: the slits do not cut it into sectors. pre: star_ is v's.
+  std::optional<Sectors> find_sectors(Index v, Index first, const std::vector<std::vector<Index>>& slits) {
+    std::map<std::pair<Index, Index>, int> slit_of;
+    for (int j = 0; j < static_cast<int>(slits.size()); ++j)
+      for (std::size_t i = 0; i + 1 < slits[j].size(); ++i)
+        slit_of[std::minmax(slits[j][i], slits[j][i + 1])] = j;
+    Sectors out;
+    out.of[first] = 0;
+    std::vector<Index> stack{first};
+    while (!stack.empty()) {
+      const Index t = stack.back();
+      stack.pop_back();
+      const int here = out.of[t], kv = complex_.corner(t, v);
+      for (int k = 0; k < 4; ++k) {
+        if (k == kv) continue;
+        const Index other = complex_.neighbour(t, k);
+        if (other < 0) continue;
+        Index edge[2];
+        int m = 0;
+        for (int j = 0; j < 4; ++j)
+          if (j != k && j != kv) edge[m++] = complex_.tet(t)[j];
+        int there = here;
+        if (const auto cut = slit_of.find(std::minmax(edge[0], edge[1])); cut != slit_of.end()) {
+          if (here != cut->second && here != cut->second + 1) return std::nullopt;
+          there = here == cut->second ? here + 1 : here - 1;
+          if (there == here + 1) {
+            // Even permutations put v first and corner k last.
+            const bool even = even_permutation(kv, corner_of(t, edge[0]), corner_of(t, edge[1]), k);
+            out.joints.push_back({here, even ? edge[0] : edge[1], even ? edge[1] : edge[0]});
+          }
+        }
+        const auto [at, added] = out.of.try_emplace(other, there);
+        if (added)
+          stack.push_back(other);
+        else if (at->second != there)
+          return std::nullopt;
+      }
+    }
+    if (out.of.size() != star_.size()) return std::nullopt;
+    return out;
+  }
+
+  // The star's tets with the point of their sector in v's place, and those between sectors. pre: star_ is
+  // v's.
+  std::vector<TetComplex::Tet> joined(Index v, const Sectors& sectors,
+                                      const std::vector<Index>& point) const {
+    std::vector<TetComplex::Tet> tets;
+    for (const Index t : star_) {
+      auto tet = complex_.tet(t);
+      std::replace(tet.begin(), tet.end(), v, point[sectors.of.at(t)]);
+      tets.push_back(tet);
+    }
+    for (const Sectors::Joint& j : sectors.joints)
+      tets.push_back({point[j.sector], j.b, j.a, point[j.sector + 1]});
+    return tets;
   }
 
   int corner_of(Index t, Index v) const { return complex_.corner(t, v); }
@@ -594,10 +617,10 @@ class Clearer {
           allowed[i * n + j] = !adjacent(i, j) && split_edge(polygon[i], polygon[j]);
         }
     // best[i][j]: the best worst quality of the part from i to j.
-    constexpr double kNone = -1e300;
-    std::vector<double> best(n * n, kNone);
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    std::vector<double> best(n * n, -kInfinity);
     std::vector<std::size_t> apex(n * n, 0);
-    for (std::size_t i = 0; i + 1 < n; ++i) best[i * n + i + 1] = 1e300;
+    for (std::size_t i = 0; i + 1 < n; ++i) best[i * n + i + 1] = kInfinity;
     for (std::size_t length = 2; length < n; ++length)
       for (std::size_t i = 0; i + length < n; ++i) {
         const std::size_t j = i + length;

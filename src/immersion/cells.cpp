@@ -168,31 +168,61 @@ class CellFinder {
   // sheet, whose gluing is a permutation. Starting from a spanning tree of the tets, a face is no cut when it
   // is the last open one around an edge; in a ball that leaves none.
   void cut_handles() {
-    const Index n = static_cast<Index>(tets_.T.rows());
-    std::vector<char> deep(n, 0);
-    bool any = false;
-    for (Index t = 0; t < n; ++t) any |= deep[t] = out_.winding_of(t) >= 2;
-    if (!any) return;
+    Insides insides = deep_insides();
+    if (insides.faces.empty()) return;
+    find_inner_edges(insides);
+    close_faces(insides);
+    for (const Insides::Face& face : insides.faces)
+      if (face.open) cut(face);
+  }
+
+  // The faces between tets of cells with several sheets, and their edges inside the cells.
+  struct Insides {
     struct Face {
       Index tet;
       int corner;
       std::array<Index, 3> edges{-1, -1, -1};
       bool open = true;
     };
+    std::vector<char> deep;                     // per tet
+    std::vector<std::array<Index, 4>> face_on;  // per tet and corner
     std::vector<Face> faces;
-    std::vector<std::array<Index, 4>> face_on(n, {-1, -1, -1, -1});
+    std::vector<std::vector<Index>> faces_of;  // per edge
+    std::vector<Index> open_count;             // of these
+    std::vector<Index> single;                 // edges that had one open face left
+
+    void close(Index f) {
+      faces[f].open = false;
+      for (const Index e : faces[f].edges)
+        if (e >= 0 && --open_count[e] == 1) single.push_back(e);
+    }
+  };
+
+  // With its faces.
+  Insides deep_insides() const {
+    Insides in;
+    const Index n = static_cast<Index>(tets_.T.rows());
+    in.deep.assign(n, 0);
+    bool any = false;
+    for (Index t = 0; t < n; ++t) any |= in.deep[t] = out_.winding_of(t) >= 2;
+    if (!any) return in;
+    in.face_on.assign(n, {-1, -1, -1, -1});
     for (Index t = 0; t < n; ++t) {
-      if (!deep[t]) continue;
+      if (!in.deep[t]) continue;
       for (int k = 0; k < 4; ++k) {
         const Index other = tets_.neighbours(t, k);
         if (other < t || out_.facet_on[t][k] >= 0) continue;
-        face_on[t][k] = static_cast<Index>(faces.size());
+        in.face_on[t][k] = static_cast<Index>(in.faces.size());
         for (int j = 0; j < 4; ++j)
-          if (tets_.neighbours(other, j) == t) face_on[other][j] = face_on[t][k];
-        faces.push_back({t, k});
+          if (tets_.neighbours(other, j) == t) in.face_on[other][j] = in.face_on[t][k];
+        in.faces.push_back({t, k});
       }
     }
-    // Edges inside the cells, with their open faces.
+    return in;
+  }
+
+  // Those that are on no facet: the faces around them close up in the cell.
+  void find_inner_edges(Insides& in) const {
     struct Use {
       Index p, q, face;
       int side;
@@ -201,79 +231,72 @@ class CellFinder {
       }
     };
     std::vector<Use> uses;
-    for (Index f = 0; f < static_cast<Index>(faces.size()); ++f)
+    for (Index f = 0; f < static_cast<Index>(in.faces.size()); ++f)
       for (int i = 0; i < 3; ++i) {
-        const Index a = tets_.T(faces[f].tet, kFace[faces[f].corner][i]);
-        const Index b = tets_.T(faces[f].tet, kFace[faces[f].corner][(i + 1) % 3]);
+        const Index a = tets_.T(in.faces[f].tet, kFace[in.faces[f].corner][i]);
+        const Index b = tets_.T(in.faces[f].tet, kFace[in.faces[f].corner][(i + 1) % 3]);
         uses.push_back({std::min(a, b), std::max(a, b), f, i});
       }
     parallel_sort_groups(uses, tets_.V.rows(), [](const auto& use) { return use.p; });
-    std::vector<std::pair<Index, Index>> on_surface;  // edges of facets: their rings do not close in a cell
+    std::vector<std::pair<Index, Index>> on_surface;
     for (const Triple& c : corners_)
       for (int k = 0; k < 3; ++k)
         on_surface.emplace_back(std::min(c[k], c[(k + 1) % 3]), std::max(c[k], c[(k + 1) % 3]));
     parallel_sort_groups(on_surface, tets_.V.rows(), [](const auto& edge) { return edge.first; });
-    std::vector<std::vector<Index>> faces_of;
-    std::vector<Index> open_count;
-    for (std::size_t b = 0; b < uses.size();) {
-      std::size_t e = b + 1;
-      while (e < uses.size() && uses[e].p == uses[b].p && uses[e].q == uses[b].q) ++e;
-      if (!std::binary_search(on_surface.begin(), on_surface.end(), std::make_pair(uses[b].p, uses[b].q))) {
-        faces_of.emplace_back();
-        open_count.push_back(static_cast<Index>(e - b));
-        for (std::size_t i = b; i < e; ++i) {
-          faces_of.back().push_back(uses[i].face);
-          faces[uses[i].face].edges[uses[i].side] = static_cast<Index>(faces_of.size()) - 1;
-        }
+    for (std::size_t b = 0, e = 0; b < uses.size(); b = e) {
+      for (e = b + 1; e < uses.size() && uses[e].p == uses[b].p && uses[e].q == uses[b].q;) ++e;
+      if (std::binary_search(on_surface.begin(), on_surface.end(), std::make_pair(uses[b].p, uses[b].q)))
+        continue;
+      in.faces_of.emplace_back();
+      in.open_count.push_back(static_cast<Index>(e - b));
+      for (std::size_t i = b; i < e; ++i) {
+        in.faces_of.back().push_back(uses[i].face);
+        in.faces[uses[i].face].edges[uses[i].side] = static_cast<Index>(in.faces_of.size()) - 1;
       }
-      b = e;
     }
-    std::vector<Index> single;
-    const auto close = [&](Index f) {
-      faces[f].open = false;
-      for (const Index e : faces[f].edges)
-        if (e >= 0 && --open_count[e] == 1) single.push_back(e);
-    };
+  }
+
+  // Those of a spanning tree of the tets, and then each that is the last open one around an edge.
+  void close_faces(Insides& in) const {
+    const Index n = static_cast<Index>(tets_.T.rows());
     std::vector<char> reached(n, 0);
     std::vector<Index> queue;
     for (Index seed = 0; seed < n; ++seed) {
-      if (!deep[seed] || reached[seed]) continue;
+      if (!in.deep[seed] || reached[seed]) continue;
       reached[seed] = 1;
       queue.assign(1, seed);
       for (std::size_t head = 0; head < queue.size(); ++head)
         for (int k = 0; k < 4; ++k) {
-          const Index f = face_on[queue[head]][k];
+          const Index f = in.face_on[queue[head]][k];
           if (f < 0) continue;
           const Index other = tets_.neighbours(queue[head], k);
           if (reached[other]) continue;
           reached[other] = 1;
           queue.push_back(other);
-          close(f);
+          in.close(f);
         }
     }
-    while (!single.empty()) {
-      const Index e = single.back();
-      single.pop_back();
-      for (const Index f : faces_of[e])
-        if (faces[f].open) {
-          close(f);
-          break;
-        }
+    while (!in.single.empty()) {
+      const std::vector<Index>& around = in.faces_of[in.single.back()];
+      in.single.pop_back();
+      const auto open = std::find_if(around.begin(), around.end(), [&](Index f) { return in.faces[f].open; });
+      if (open != around.end()) in.close(*open);
     }
-    for (const Face& face : faces) {
-      if (!face.open) continue;
-      const Index t = face.tet, other = tets_.neighbours(t, face.corner);
-      const Index id = static_cast<Index>(out_.facets.size());
-      Facet facet;
-      facet.back = t, facet.front = other;
-      out_.facets.push_back(facet);
-      corners_.push_back({tets_.T(t, kFace[face.corner][0]), tets_.T(t, kFace[face.corner][1]),
-                          tets_.T(t, kFace[face.corner][2])});
-      out_.facet_on[t][face.corner] = id;
-      for (int j = 0; j < 4; ++j)
-        if (tets_.neighbours(other, j) == t) out_.facet_on[other][j] = id;
-      ++out_.cuts;
-    }
+  }
+
+  // The face becomes a facet without a sheet.
+  void cut(const Insides::Face& face) {
+    const Index t = face.tet, other = tets_.neighbours(t, face.corner);
+    const Index id = static_cast<Index>(out_.facets.size());
+    Facet facet;
+    facet.back = t, facet.front = other;
+    out_.facets.push_back(facet);
+    corners_.push_back({tets_.T(t, kFace[face.corner][0]), tets_.T(t, kFace[face.corner][1]),
+                        tets_.T(t, kFace[face.corner][2])});
+    out_.facet_on[t][face.corner] = id;
+    for (int j = 0; j < 4; ++j)
+      if (tets_.neighbours(other, j) == t) out_.facet_on[other][j] = id;
+    ++out_.cuts;
   }
 
   std::optional<Error> find_windings() {

@@ -51,6 +51,35 @@ Status ImmersionOptions::validate() const {
 
 namespace {
 
+// Of the points that cutting added, all are moved inside. Errors: unsolved, limit, interrupted.
+Status clear_boundary(const Surface& surface, const Cover& cover, const RunContext& context,
+                      TetComplex& complex, ImmersionResult& out) {
+  const BoundaryPointsResult cleared =
+      clear_boundary_points(surface, complex, cover.boundary, cover.face, context);
+  out.boundary_points = cleared.removed;
+  out.refined_edges = cleared.refined_edges;
+  out.smallest_clearance = cleared.smallest_clearance;
+  if (auto stop = context.stop()) return *stop;
+  if (cleared.left.empty()) return success();
+  const Eigen::Vector3d p = complex.position(cleared.left[0]);
+  return Error{ErrorCode::unsolved,
+               std::to_string(cleared.left.size()) +
+                   " points where the surface crosses itself could not be moved inside.",
+               std::array<double, 3>{p[0], p[1], p[2]}};
+}
+
+// The surface's vertices, where a tolerance has moved them. Errors: unsolved, limit, interrupted.
+Status return_home(const Surface& surface, const RunContext& context, TetComplex& complex) {
+  const std::vector<Index> away = bring_home(surface, complex, context);
+  if (auto stop = context.stop()) return *stop;
+  if (away.empty()) return success();
+  const auto p = surface.V.row(away[0]);
+  return Error{ErrorCode::unsolved,
+               std::to_string(away.size()) +
+                   " vertices that nearly touch other parts of the surface could not return to their places.",
+               std::array<double, 3>{p[0], p[1], p[2]}};
+}
+
 // tolerance: of the arrangement; 0: exact.
 Result<ImmersionResult> attempt(const Surface& surface, const std::vector<FacePair>& pairs,
                                 std::span<const WoundEdge> wound, const ImmersionOptions& options,
@@ -104,33 +133,12 @@ Result<ImmersionResult> attempt(const Surface& surface, const std::vector<FacePa
 
   context.report("immersion", 0.8, "boundary points");
   TetComplex complex(cover.value().mesh.V, cover.value().mesh.T, cover.value().neighbours);
-  const BoundaryPointsResult cleared =
-      clear_boundary_points(surface, complex, cover.value().boundary, cover.value().face, context);
+  const Status cleared = clear_boundary(surface, cover.value(), context, complex, out);
   out.cover = std::move(cover).value().mesh;
-  out.boundary_points = cleared.removed;
-  out.refined_edges = cleared.refined_edges;
-  out.smallest_clearance = cleared.smallest_clearance;
   out.boundary_seconds = watch.lap();
-  if (auto stop = context.stop()) return *stop;
-  if (!cleared.left.empty()) {
-    const Eigen::Vector3d p = complex.position(cleared.left[0]);
-    return Error{ErrorCode::unsolved,
-                 std::to_string(cleared.left.size()) +
-                     " points where the surface crosses itself could not be moved inside.",
-                 std::array<double, 3>{p[0], p[1], p[2]}};
-  }
-  if (out.arrangement.tolerant) {
-    const std::vector<Index> away = bring_home(surface, complex, context);
-    if (auto stop = context.stop()) return *stop;
-    if (!away.empty()) {
-      const auto p = surface.V.row(away[0]);
-      return Error{
-          ErrorCode::unsolved,
-          std::to_string(away.size()) +
-              " vertices that nearly touch other parts of the surface could not return to their places.",
-          std::array<double, 3>{p[0], p[1], p[2]}};
-    }
-  }
+  if (!cleared) return cleared.error();
+  if (out.arrangement.tolerant)
+    if (Status home = return_home(surface, context, complex); !home) return home.error();
   complex.compact(static_cast<Index>(surface.V.rows()));
   out.mesh = complex.to_mesh(static_cast<Index>(surface.V.rows()));
   return out;

@@ -33,6 +33,7 @@ struct ImmersionOptions {
   Status validate() const;
 };
 
+// More than 12 members: a record of figures beside the mesh.
 struct ImmersionResult {
   TetMesh mesh;  // boundary = the input surface
   Arrangement arrangement;

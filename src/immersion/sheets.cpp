@@ -27,6 +27,7 @@ constexpr int kFreeRounds = 4;
 constexpr int kRings = 6;
 constexpr std::int64_t kMostNodesNear = 50'000;
 
+// More than 12 members: what a search knows of itself (five flags and sets) goes from round to round.
 class Assigner {
  public:
   Assigner(const Surface& surface, const Arrangement& arrangement, const TetgenResult& tets,
@@ -148,8 +149,34 @@ class Assigner {
     }
   };
 
+  // What lies beyond each edge of each facet where nothing branches.
+  struct Links {
+    explicit Links(Index facets) : facet(static_cast<std::size_t>(facets), {-1, -1, -1}) {}
+    std::vector<std::array<Index, 3>> facet;
+    // Of a facet and corner: per sheet of the facet beyond, the sheet here. Only where there are several.
+    std::map<std::pair<Index, int>, std::vector<Index>> sheets;
+  };
+  using Range = std::pair<std::size_t, std::size_t>;  // of the uses of one edge
+
   // Partner of each sheet at an edge, regions, and the fans that constrain them.
   std::optional<Error> find_edges() {
+    const std::vector<EdgeUse> uses = edge_uses();
+    std::set<Edge> covered;
+    if (free_)
+      if (auto error = find_covered_edges(uses, covered)) return error;
+    Links links(static_cast<Index>(out_.facets.size()));
+    std::vector<Range> special;
+    std::set<Index> turning;  // vertices at edges that are wound, or may be
+    if (auto error = sort_edges(uses, covered, links, special, turning)) return error;
+    flood_regions(links);
+    list_fans(uses, special);
+    // With a tolerance the surface may be pinched where it is not.
+    if (!arrangement_.tolerant) add_links(uses, turning);
+    return std::nullopt;
+  }
+
+  // By edge.
+  std::vector<EdgeUse> edge_uses() const {
     const Index m = static_cast<Index>(out_.facets.size());
     std::vector<EdgeUse> uses;
     uses.reserve(3 * static_cast<std::size_t>(m));
@@ -159,116 +186,122 @@ class Assigner {
         uses.push_back({std::min(a, b), std::max(a, b), f, k});
       }
     parallel_sort_groups(uses, tets_.V.rows(), [](const auto& use) { return use.p; });
-    struct Link {
-      Index facet = -1;
-      std::vector<Index>
-          sheet_here;  // per sheet of the facet beyond: the sheet here; empty: one to one, single
-    };
-    std::vector<std::array<Index, 3>> link(m, {-1, -1, -1});
-    std::map<std::pair<Index, int>, std::vector<Index>> link_sheets;  // only where there are several
-    std::vector<std::pair<std::size_t, std::size_t>> special;
-    std::set<Index> turning;  // vertices at edges that are wound, or may be
+    return uses;
+  }
+
+  // Links across edges where nothing branches; special: the others, but for those that may be wound.
+  std::optional<Error> sort_edges(const std::vector<EdgeUse>& uses, const std::set<Edge>& covered,
+                                  Links& links, std::vector<Range>& special, std::set<Index>& turning) {
     std::vector<Fan::Pass> passes;
     Edge over;
-    std::set<Edge> covered;
-    if (free_)
-      if (auto error = find_covered_edges(uses, covered)) return error;
-    for (std::size_t b = 0; b < uses.size();) {
-      std::size_t e = b + 1;
-      while (e < uses.size() && uses[e].p == uses[b].p && uses[e].q == uses[b].q) ++e;
+    for (std::size_t b = 0, e = 0; b < uses.size(); b = e) {
+      for (e = b + 1; e < uses.size() && uses[e].p == uses[b].p && uses[e].q == uses[b].q;) ++e;
       const std::span<const EdgeUse> group(uses.data() + b, e - b);
       if (!free_ && goes_on(group)) {  // nearly all edges
-        link[group[0].facet][group[0].corner] = group[1].facet;
-        link[group[1].facet][group[1].corner] = group[0].facet;
-        b = e;
+        link(group, links);
         continue;
       }
       if (auto error = find_passes(group, passes, over)) return error;
       if (covered.count(over)) {
         free_groups_[over].emplace_back(b, e);
         turning.insert({group[0].p, group[0].q});
-        b = e;
         continue;
       }
       if (std::any_of(passes.begin(), passes.end(), [](const Fan::Pass& p) { return p.turns > 0; }))
         turning.insert({group[0].p, group[0].q});
-      bool plain = group.size() == 2;
-      for (const Fan::Pass& p : passes) plain &= p.turns == 0 && p.from != p.to;
-      if (plain) {
-        link[group[0].facet][group[0].corner] = group[1].facet;
-        link[group[1].facet][group[1].corner] = group[0].facet;
-        if (sheet_count(group[0].facet) > 1) {
-          for (int here = 0; here < 2; ++here) {
-            auto& map = link_sheets[{group[here].facet, group[here].corner}];
-            map.assign(sheet_count(group[1 - here].facet), -1);
-            for (const Fan::Pass& p : passes)
-              if (p.from == here) map[p.to_sheet] = p.from_sheet;
-          }
-        }
-      } else {
+      const bool plain = group.size() == 2 && std::all_of(passes.begin(), passes.end(), [](const auto& p) {
+                           return p.turns == 0 && p.from != p.to;
+                         });
+      if (!plain) {
         special.emplace_back(b, e);
+        continue;
       }
-      b = e;
+      link(group, links);
+      if (sheet_count(group[0].facet) <= 1) continue;
+      for (int here = 0; here < 2; ++here) {
+        auto& map = links.sheets[{group[here].facet, group[here].corner}];
+        map.assign(sheet_count(group[1 - here].facet), -1);
+        for (const Fan::Pass& p : passes)
+          if (p.from == here) map[p.to_sheet] = p.from_sheet;
+      }
     }
-    // Regions: flood across plain edges.
+    return std::nullopt;
+  }
+
+  static void link(std::span<const EdgeUse> group, Links& links) {
+    links.facet[group[0].facet][group[0].corner] = group[1].facet;
+    links.facet[group[1].facet][group[1].corner] = group[0].facet;
+  }
+
+  // Regions: what can be reached across linked edges.
+  void flood_regions(Links& links) {
     std::vector<Index> stack;
-    for (Index seed = 0; seed < m; ++seed) {
+    for (Index seed = 0; seed < static_cast<Index>(out_.facets.size()); ++seed) {
       if (out_.facets[seed].region >= 0) continue;
-      const Index id = static_cast<Index>(out_.regions.size());
-      Region region;
-      region.front_winding = out_.winding_of(out_.facets[seed].front);
-      region.back_winding = out_.winding_of(out_.facets[seed].back);
-      for (Index s = 0; s < sheet_count(seed); ++s) region.signs.push_back(sheet(seed, s).sign);
-      puzzle_.cells.push_back({cell_of(out_.facets[seed].front), cell_of(out_.facets[seed].back)});
-      out_.facets[seed].region = id;
-      if (sheet_count(seed) > 1) {
-        out_.facets[seed].slots = static_cast<Index>(out_.slot_map.size());
-        for (Index s = 0; s < sheet_count(seed); ++s) out_.slot_map.push_back(s);
-      }
-      out_.regions.push_back(std::move(region));
+      begin_region(seed);
       stack.push_back(seed);
       while (!stack.empty()) {
         const Index f = stack.back();
         stack.pop_back();
         for (int k = 0; k < 3; ++k) {
-          const Index g = link[f][k];
+          const Index g = links.facet[f][k];
           if (g < 0 || out_.facets[g].region >= 0) continue;
-          // Coherent when the shared edge runs the other way in g.
-          const Index a = corners_[f][(k + 1) % 3], b = corners_[f][(k + 2) % 3];
-          bool coherent = false;
-          for (int j = 0; j < 3; ++j) coherent |= corners_[g][j] == b && corners_[g][(j + 1) % 3] == a;
-          Facet& facet = out_.facets[g];
-          facet.region = id;
-          facet.flipped = out_.facets[f].flipped == coherent;
-          if (sheet_count(g) > 1) {
-            const auto& here = link_sheets[{f, k}];
-            facet.slots = static_cast<Index>(out_.slot_map.size());
-            for (Index s = 0; s < sheet_count(g); ++s)
-              out_.slot_map.push_back(out_.slot_map[out_.facets[f].slots + here[s]]);
-          }
+          continue_region(f, k, g, links);
           stack.push_back(g);
         }
       }
     }
-    std::map<Fan, Index> distinct;
-    for (const auto& [b, e] : special) {
-      const std::span<const EdgeUse> group(uses.data() + b, e - b);
-      distinct.try_emplace(make_fan(group), group[0].p);
+  }
+
+  void begin_region(Index seed) {
+    const Index id = static_cast<Index>(out_.regions.size());
+    Region region;
+    region.front_winding = out_.winding_of(out_.facets[seed].front);
+    region.back_winding = out_.winding_of(out_.facets[seed].back);
+    for (Index s = 0; s < sheet_count(seed); ++s) region.signs.push_back(sheet(seed, s).sign);
+    puzzle_.cells.push_back({cell_of(out_.facets[seed].front), cell_of(out_.facets[seed].back)});
+    out_.facets[seed].region = id;
+    if (sheet_count(seed) > 1) {
+      out_.facets[seed].slots = static_cast<Index>(out_.slot_map.size());
+      for (Index s = 0; s < sheet_count(seed); ++s) out_.slot_map.push_back(s);
     }
+    out_.regions.push_back(std::move(region));
+  }
+
+  // From f across the edge opposite to its corner k to g.
+  void continue_region(Index f, int k, Index g, Links& links) {
+    // Coherent when the shared edge runs the other way in g.
+    const Index a = corners_[f][(k + 1) % 3], b = corners_[f][(k + 2) % 3];
+    bool coherent = false;
+    for (int j = 0; j < 3; ++j) coherent |= corners_[g][j] == b && corners_[g][(j + 1) % 3] == a;
+    Facet& facet = out_.facets[g];
+    facet.region = out_.facets[f].region;
+    facet.flipped = out_.facets[f].flipped == coherent;
+    if (sheet_count(g) <= 1) return;
+    const std::vector<Index>& here = links.sheets[{f, k}];
+    facet.slots = static_cast<Index>(out_.slot_map.size());
+    for (Index s = 0; s < sheet_count(g); ++s)
+      out_.slot_map.push_back(out_.slot_map[out_.facets[f].slots + here[s]]);
+  }
+
+  // What constrains the regions at edges where something branches or may be wound.
+  void list_fans(const std::vector<EdgeUse>& uses, const std::vector<Range>& special) {
+    const auto group = [&](const Range& r) {
+      return std::span<const EdgeUse>(uses.data() + r.first, r.second - r.first);
+    };
+    std::map<Fan, Index> distinct;
+    for (const Range& r : special) distinct.try_emplace(make_fan(group(r)), uses[r.first].p);
     for (const auto& [edge, groups] : free_groups_)
-      for (const auto& [b, e] : groups) {
+      for (const Range& r : groups) {
         const auto given = turns_.find(edge);
-        puzzle_.free_fans.push_back({make_fan(std::span<const EdgeUse>(uses.data() + b, e - b)), edge,
-                                     given == turns_.end() ? 0 : given->second, groups.size() > 1});
+        puzzle_.free_fans.push_back(
+            {make_fan(group(r)), edge, given == turns_.end() ? 0 : given->second, groups.size() > 1});
       }
     for (const auto& [fan, vertex] : distinct) {
       puzzle_.fans.push_back(fan);
       fan_place_.push_back(vertex);
     }
     out_.constraints = static_cast<Index>(puzzle_.fans.size());
-    // With a tolerance the surface may be pinched where it is not.
-    if (!arrangement_.tolerant) add_links(uses, turning);
-    return std::nullopt;
   }
 
   // Fans leave open what becomes of a vertex: its turns may make a handle.
@@ -514,7 +547,7 @@ class Assigner {
   bool in_doubt_ = false;      // an edge that might be wound does not take part in the search
   std::set<Edge> refused_;
   std::set<Index> near_;  // vertices at which edges may be wound; none: all
-  std::map<Edge, std::vector<std::pair<std::size_t, std::size_t>>> free_groups_;
+  std::map<Edge, std::vector<Range>> free_groups_;
   Sheets out_;
   std::vector<Triple> corners_;  // per facet, in the orientation of its arrangement triangle
   SheetPuzzle puzzle_;

@@ -118,7 +118,7 @@ Status Lessening::look(const VertexMatrix& V, std::vector<Offence>& offences) {
   }
   if (!offences.empty()) return success();  // cheaper than a diagnosis
   ++out_.looks;
-  Result<Findings> found = find_offences({V, input_.F}, rings_, diagonal_, false, context_);
+  Result<Findings> found = find_offences({V, input_.F}, rings_, diagonal_, PokingOut::pairs, context_);
   if (!found) return found.error();
   offences = std::move(found.value().offences);
   work_ +=

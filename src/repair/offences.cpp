@@ -65,8 +65,8 @@ Offence flooded(const Surface& now, const Diagnosis& diagnosis, const VertexRing
 
 }  // namespace
 
-Result<Findings> find_offences(const Surface& surface, const VertexRings& rings, double diagonal, bool floods,
-                               const RunContext& context) {
+Result<Findings> find_offences(const Surface& surface, const VertexRings& rings, double diagonal,
+                               PokingOut poking_out, const RunContext& context) {
   if (auto stop = context.stop()) return *stop;
   Findings found;
   std::vector<Offence>& offences = found.offences;
@@ -90,7 +90,7 @@ Result<Findings> find_offences(const Surface& surface, const VertexRings& rings,
     o.insert(o.end(), more.begin(), more.end());
     offences.push_back(o);
   }
-  if (floods && diagnosis.winding.negative_pairs > 0) {
+  if (poking_out == PokingOut::all && diagnosis.winding.negative_pairs > 0) {
     Offence all;
     for (const auto& [f, g] : diagnosis.winding.negative_at)
       if (f >= 0) {

@@ -20,12 +20,17 @@ struct Findings {
   bool hopeless = false;  // a component that faces inwards with nothing around it
 };
 
+// How much of what pokes out where the winding number is negative belongs to an offence.
+enum class PokingOut {
+  pairs,  // the corners of the two faces where it was seen
+  all     // all vertices around them in front of which the winding number is negative, too
+};
+
 // The diagnosis of a surface, and what it objects to: faces without area, pairs of faces at which the winding
-// number is negative, vertices. floods: also all vertices around those pairs in front of which the winding
-// number is negative. diagonal: of the surface's box, roughly.
+// number is negative, vertices. diagonal: of the surface's box, roughly.
 // Errors: bad_input (not closed, oriented, manifold), limit, interrupted.
-Result<Findings> find_offences(const Surface& surface, const VertexRings& rings, double diagonal, bool floods,
-                               const RunContext& context);
+Result<Findings> find_offences(const Surface& surface, const VertexRings& rings, double diagonal,
+                               PokingOut poking_out, const RunContext& context);
 
 // Whether two sorted lists have something in common.
 bool sorted_share(const std::vector<Index>& a, const std::vector<Index>& b);

@@ -39,7 +39,7 @@ class Repair {
 
  private:
   double gentle_move() const;
-  Status look(bool floods);
+  Status look(PokingOut poking_out);
   Status begin_asked();
   Status start_from(const VertexMatrix& base);
   Status climb();
@@ -71,8 +71,8 @@ double Repair::gentle_move() const {
                            edges / static_cast<double>(input_.F.rows())));
 }
 
-Status Repair::look(bool floods) {
-  Result<Findings> found = find_offences(now_, rings_, diagonal_, floods, context_);
+Status Repair::look(PokingOut poking_out) {
+  Result<Findings> found = find_offences(now_, rings_, diagonal_, poking_out, context_);
   if (!found) return found.error();
   found_ = std::move(found).value();
   return success();
@@ -90,7 +90,7 @@ Status Repair::begin_asked() {
     hinges = earlier.hinges;
     now_.V = base_;
   } else {
-    if (Status s = look(false); !s) return s;
+    if (Status s = look(PokingOut::pairs); !s) return s;
     for (const Hinge& h : found_.diagnosis.hinges) hinges.push_back(h.vertex);
   }
   clusters_.go_on(base_, now_.V, hinges, options_.place);
@@ -103,7 +103,7 @@ Status Repair::start_from(const VertexMatrix& base) {
   base_ = base;
   clusters_.clear();
   now_.V = base_;
-  return look(false);
+  return look(PokingOut::pairs);
 }
 
 // Moves more and more until nothing objects, or the ladder ends.
@@ -117,7 +117,8 @@ Status Repair::climb() {
     if (!clusters_.assign(now_, found_, turned_near)) break;
     clusters_.place(base_);
     now_.V = clusters_.compose(base_);
-    if (Status s = look(out_.rounds.size() % kFloodRounds == 0); !s) return s;
+    if (Status s = look(out_.rounds.size() % kFloodRounds == 0 ? PokingOut::all : PokingOut::pairs); !s)
+      return s;
     add_round();
   }
   return success();
@@ -177,7 +178,7 @@ Result<RepairResult> Repair::run() {
   const bool asked = options_.earlier || options_.place;
   if (asked)
     if (Status s = begin_asked(); !s) return s.error();
-  if (Status s = look(!asked); !s) return s.error();
+  if (Status s = look(asked ? PokingOut::pairs : PokingOut::all); !s) return s.error();
   add_round();
   if (found_.hopeless) return inside_out();
   if (!asked && found_.offences.empty()) return handed_out(nullptr, "nothing to repair");
@@ -208,7 +209,7 @@ Result<RepairResult> Repair::run() {
   if (!looks) return looks.error();
   out_.shrink_rounds = looks.value();
   now_.V = clusters_.compose(base_);
-  if (Status s = look(false); !s) return s.error();
+  if (Status s = look(PokingOut::pairs); !s) return s.error();
   record();
   auto memory = std::make_shared<RepairMemory>();
   memory->base = base_;

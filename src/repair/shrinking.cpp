@@ -4,105 +4,159 @@
 
 namespace overtet {
 
-Result<Index> shrink(Clusters& clusters, const Surface& input, const VertexMatrix& base,
-                     const VertexRings& rings, double diagonal, const RepairOptions& options,
-                     const RunContext& context) {
-  std::vector<Cluster>& all = clusters.all();
-  Index rounds = 0;
-  std::vector<Offence> offences;
+namespace {
+
+// Moves less, as long as nothing objects. Kept is what was last judged to be fine as a whole.
+class Shrinking {
+ public:
+  Shrinking(Clusters& clusters, const Surface& input, const VertexMatrix& base, const VertexRings& rings,
+            double diagonal, const RepairOptions& options, const RunContext& context)
+      : clusters_(clusters),
+        all_(clusters.all()),
+        input_(input),
+        base_(base),
+        rings_(rings),
+        diagonal_(diagonal),
+        options_(options),
+        context_(context) {}
+
+  Result<Index> run() {
+    good_ = all_;
+    if (Status s = bisect(); !s) return s.error();
+    all_ = good_;
+    if (Status s = hold_vertices(); !s) return s.error();
+    all_ = good_;
+    return rounds_;
+  }
+
+ private:
   // Counted, not timed: the same result on every machine.
-  double work = 0;
-  const auto work_left = [&] { return rounds < options.max_shrink_rounds && work < options.shrink_work; };
-  // Judges what compose() makes; returns the clusters that must go back.
-  const auto judge = [&](std::vector<char>& bad) -> Status {
-    ++rounds;
+  bool work_left() const { return rounds_ < options_.max_shrink_rounds && work_ < options_.shrink_work; }
+
+  // Looks at what compose() makes; bad_: the clusters that must go back. True: nothing objects.
+  Result<bool> judge() {
+    ++rounds_;
     Result<Findings> found =
-        find_offences({clusters.compose(base), input.F}, rings, diagonal, false, context);
+        find_offences({clusters_.compose(base_), input_.F}, rings_, diagonal_, PokingOut::pairs, context_);
     if (!found) return found.error();
-    offences = std::move(found.value().offences);
-    work += static_cast<double>(found.value().diagnosis.pairs.size()) +
-            0.01 * static_cast<double>(input.F.rows());
-    bad.assign(all.size(), 0);
+    const std::vector<Offence>& offences = found.value().offences;
+    work_ += static_cast<double>(found.value().diagnosis.pairs.size()) +
+             0.01 * static_cast<double>(input_.F.rows());
+    bad_.assign(all_.size(), 0);
     for (const Offence& o : offences) {
       bool known = false;
-      for (std::size_t c = 0; c < all.size(); ++c)
-        if (clusters.within(all[c], o, 1)) bad[c] = 1, known = true;
-      if (!known) bad.assign(all.size(), 1);
+      for (std::size_t c = 0; c < all_.size(); ++c)
+        if (clusters_.within(all_[c], o, 1)) bad_[c] = 1, known = true;
+      if (!known) bad_.assign(all_.size(), 1);
+    }
+    return offences.empty();
+  }
+
+  // How much of its way each cluster must go, but for those that are pinned: being feasible is not enough
+  // there.
+  Status bisect() {
+    std::vector<double> low(all_.size(), 0), high(all_.size(), 1);
+    for (std::size_t c = 0; c < all_.size(); ++c)
+      if (clusters_.pinned(all_[c])) low[c] = 1;
+    for (int i = 0; i < 4 && work_left(); ++i) {
+      for (std::size_t c = 0; c < all_.size(); ++c) all_[c].part = (low[c] + high[c]) / 2;
+      const Result<bool> clean = judge();
+      if (!clean) return clean.error();
+      for (std::size_t c = 0; c < all_.size(); ++c) (bad_[c] ? low : high)[c] = all_[c].part;
+      if (clean.value()) good_ = all_;
+      // Together they must still be fine: kept only when a later judgement of `high` says so.
+      for (std::size_t c = 0; c < all_.size(); ++c) all_[c].part = high[c];
+      if (clean.value()) continue;
+      const Result<bool> together = judge();
+      if (!together) return together.error();
+      if (together.value()) good_ = all_;
     }
     return success();
-  };
-  std::vector<Cluster> good = all;
-  std::vector<char> bad;
-  std::vector<double> low(all.size(), 0), high(all.size(), 1);
-  for (std::size_t c = 0; c < all.size(); ++c)
-    if (clusters.pinned(all[c])) low[c] = 1;  // being feasible is not enough there
-  for (int i = 0; i < 4 && work_left(); ++i) {
-    for (std::size_t c = 0; c < all.size(); ++c) all[c].part = (low[c] + high[c]) / 2;
-    if (Status s = judge(bad); !s) return s.error();
-    const bool clean = offences.empty();
-    for (std::size_t c = 0; c < all.size(); ++c) (bad[c] ? low : high)[c] = all[c].part;
-    if (clean) good = all;
-    // Together they must still be fine: kept only when a later judgement of `high` says so.
-    for (std::size_t c = 0; c < all.size(); ++c) all[c].part = high[c];
-    if (!clean) {
-      if (Status s = judge(bad); !s) return s.error();
-      if (offences.empty()) good = all;
-    }
   }
-  all = good;
-  // Vertices: batches of each cluster that halve when refused, smallest moves first.
+
+  // A batch of a cluster's vertices that stay where they were, the smallest moves first.
   struct Trial {
     std::vector<Index> order;
     std::size_t at = 0, size = 1;
   };
-  std::vector<Trial> trials(all.size());
-  for (std::size_t c = 0; c < all.size(); ++c) {
-    const Cluster& x = all[c];
-    if (clusters.pinned(x)) continue;
+
+  Trial trial_of(const Cluster& cluster) const {
+    Trial trial;
+    if (clusters_.pinned(cluster)) return trial;
     std::vector<std::pair<double, Index>> order;
-    for (std::size_t i = 0; i < x.region.size(); ++i)
-      order.emplace_back((x.to.row(static_cast<Eigen::Index>(i)) - base.row(x.region[i])).norm(),
-                         x.region[i]);
+    for (std::size_t i = 0; i < cluster.region.size(); ++i)
+      order.emplace_back((cluster.to.row(static_cast<Eigen::Index>(i)) - base_.row(cluster.region[i])).norm(),
+                         cluster.region[i]);
     std::sort(order.begin(), order.end());
-    for (const auto& [length, v] : order) trials[c].order.push_back(v);
-    trials[c].size = std::max<std::size_t>(1, order.size() / 2);
+    for (const auto& [length, v] : order) trial.order.push_back(v);
+    trial.size = std::max<std::size_t>(1, order.size() / 2);
+    return trial;
   }
-  while (work_left()) {
-    bool any = false;
-    for (std::size_t c = 0; c < all.size(); ++c) {
-      Trial& t = trials[c];
-      const std::size_t last = std::min(t.at + t.size, t.order.size());
-      std::vector<Index>& held = all[c].held;
-      for (std::size_t i = t.at; i < last; ++i) held.push_back(t.order[i]), any = true;
-      std::sort(held.begin(), held.end());
-    }
-    if (!any) break;
-    if (Status s = judge(bad); !s) return s.error();
-    const bool clean = offences.empty();
-    for (std::size_t c = 0; c < all.size(); ++c) {
-      Trial& t = trials[c];
-      if (!bad[c]) {
-        t.at = std::min(t.at + t.size, t.order.size());
-        continue;
+
+  // Vertex by vertex, in batches of each cluster that halve when refused.
+  Status hold_vertices() {
+    std::vector<Trial> trials;
+    for (const Cluster& cluster : all_) trials.push_back(trial_of(cluster));
+    while (work_left()) {
+      bool any = false;
+      for (std::size_t c = 0; c < all_.size(); ++c) {
+        Trial& t = trials[c];
+        const std::size_t last = std::min(t.at + t.size, t.order.size());
+        std::vector<Index>& held = all_[c].held;
+        for (std::size_t i = t.at; i < last; ++i) held.push_back(t.order[i]), any = true;
+        std::sort(held.begin(), held.end());
       }
-      all[c].held = good[c].held;
-      if (t.size > 1)
-        t.size = (t.size + 1) / 2;
-      else
-        t.at = std::min(t.at + 1, t.order.size());
-    }
-    if (!clean) {
-      if (Status s = judge(bad); !s) return s.error();
-      if (!offences.empty()) {
-        all = good;  // accepted one by one, refused together
-        for (Trial& t : trials) t.size = std::max<std::size_t>(1, t.size / 2), t.at = 0;
-        continue;
+      if (!any) break;
+      const Result<bool> clean = judge();
+      if (!clean) return clean.error();
+      for (std::size_t c = 0; c < all_.size(); ++c) settle(c, trials[c]);
+      if (!clean.value()) {
+        const Result<bool> together = judge();
+        if (!together) return together.error();
+        if (!together.value()) {
+          all_ = good_;  // accepted one by one, refused together
+          for (Trial& t : trials) t.size = std::max<std::size_t>(1, t.size / 2), t.at = 0;
+          continue;
+        }
       }
+      good_ = all_;
     }
-    good = all;
+    return success();
   }
-  all = good;
-  return rounds;
+
+  // After a judgement: the next batch, or a smaller one.
+  void settle(std::size_t c, Trial& t) {
+    if (!bad_[c]) {
+      t.at = std::min(t.at + t.size, t.order.size());
+      return;
+    }
+    all_[c].held = good_[c].held;
+    if (t.size > 1)
+      t.size = (t.size + 1) / 2;
+    else
+      t.at = std::min(t.at + 1, t.order.size());
+  }
+
+  Clusters& clusters_;
+  std::vector<Cluster>& all_;
+  const Surface& input_;
+  const VertexMatrix& base_;
+  const VertexRings& rings_;
+  const double diagonal_;
+  const RepairOptions& options_;
+  const RunContext& context_;
+  std::vector<Cluster> good_;
+  std::vector<char> bad_;
+  Index rounds_ = 0;
+  double work_ = 0;
+};
+
+}  // namespace
+
+Result<Index> shrink(Clusters& clusters, const Surface& input, const VertexMatrix& base,
+                     const VertexRings& rings, double diagonal, const RepairOptions& options,
+                     const RunContext& context) {
+  return Shrinking(clusters, input, base, rings, diagonal, options, context).run();
 }
 
 }  // namespace overtet

@@ -28,7 +28,13 @@ using test::TemporaryFolder;
 PipelineResult run(const Surface& s, const PipelineOptions& options = {}, int threads = 0) {
   RunContext context;
   context.threads = threads;
-  return run_pipeline(s, options, context);
+  PipelineResult r = run_pipeline(s, options, context);
+  if (!r.ok()) {  // then nothing is handed out, not even of a mesh that was made on the way
+    EXPECT_EQ(r.mesh.T.rows(), 0);
+    EXPECT_TRUE(r.report.result_hash.empty() && !r.report.quality);
+    EXPECT_TRUE(r.report.moved_vertices == 0 && r.report.moved_ids.empty());
+  }
+  return r;
 }
 
 // Everything a user may rely on after success, checked again from outside.
@@ -233,6 +239,12 @@ TEST(Pipeline, RepairsWhenAsked) {
   const VerifyResult v = verify(s, r.mesh, moved);
   EXPECT_TRUE(v.ok()) << v.summary();
   EXPECT_EQ(v.moved_vertices, r.report.moved_vertices);
+  // Meshes are made on the way, but none that moves as little as this.
+  options.max_repair_move = 0.7 * r.report.max_relative_move;
+  const PipelineResult refused = run(s, options);
+  EXPECT_EQ(refused.exit_code(), 5) << refused.report.message;
+  EXPECT_TRUE(refused.report.witness.has_value());
+  options.max_repair_move = PipelineOptions().max_repair_move;
   // What needs no repair is left alone.
   const Surface fine = test::curled_worm(400, 10);
   const PipelineResult untouched = run(fine, options);
