@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "kernels/parallel/parallel.h"
-#include "kernels/predicates/predicates.h"
+#include "src/arrangement/intersection_graph.h"
 #include "src/exact/ordinary_size.h"
 #include "src/exact/wedges.h"
 
@@ -12,67 +13,38 @@ namespace overtet {
 
 namespace {
 
-// Places on a segment (0 to 1) that doubles do not tell better than this are computed in fractions.
-constexpr double kNear = 1e-9;
-
 using exact::Point;
 using exact::Rational;
 using exact::Rays;
 using exact::Vec;
 
-// A vertex, an edge (by its smaller half-edge) or a face.
-struct Simplex {
-  int dimension = 0;
-  Index id = -1;
-  auto operator<=>(const Simplex&) const = default;
-};
-
-// An end of a segment: the smallest simplex that contains it on each of the two faces. If they met in more
-// than one point there, the segment would go on: so they name the point, whichever pair it is found from.
-using Meeting = std::array<Simplex, 2>;
-
-struct RawSegment {
-  FacePair faces;                  // first < second
-  std::array<Meeting, 2> ends;     // on the first face, on the second
-  std::array<Simplex, 2> along{};  // the smallest simplices that contain the segment
-  std::array<Index, 2> node{-1, -1};
-  bool plain() const { return along[0].dimension == 2 && along[1].dimension == 2; }
-};
+using Meeting = IntersectionGraph::Meeting;
+using RawSegment = IntersectionGraph::Segment;
 
 // Where third faces cross a segment. Where each of them does so with its inside, and the segment lies inside
 // its own two faces, the faces at that point name it, whichever segment it is found from.
 struct Cut {
-  double near = 0, error = 0;  // the place, from 0 to 1
+  double near = 0;  // the place, from 0 to 1
   std::optional<Rational> exact;
   int step = 0;  // of the winding number
   bool plain = true;
-  Index by = -1;             // the face that the place is computed from
   std::vector<Index> faces;  // sorted: all that contain the point
-};
-
-struct PairMeets {
-  enum class Kind { nothing, point, segment, coplanar } kind = Kind::nothing;
-  RawSegment segment;
+  const IntersectionGraph::Cut* origin = nullptr;
 };
 
 class Tracer {
  public:
-  Tracer(const Surface& surface, const SurfaceTopology& topology, const TriangleBvh& bvh,
-         const std::vector<FacePair>& pairs, const RunContext& context)
+  Tracer(const Surface& surface, const TriangleBvh& bvh, IntersectionGraph& graph, const RunContext& context)
       : surface_(surface),
-        topology_(topology),
-        pairs_(pairs),
+        graph_(graph),
+        nodes_(graph.nodes()),
         context_(context),
         rays_(surface.V, surface.F, bvh),
-        partners_(pairs),
         wedges_(rays_) {}
 
   Result<Curves> run() {
+    if (const Status ready = graph_.prepare_all(rays_, context_); !ready) return ready.error();
     find_segments();
-    if (auto stop = context_.stop()) return *stop;
-    number_nodes();
-    cut_segments();
-    if (auto stop = context_.stop()) return *stop;
     trace();
     find_junctions();
     parallel_for(static_cast<std::int64_t>(out_.curves.size()), 1, [&](std::int64_t begin, std::int64_t end) {
@@ -84,281 +56,55 @@ class Tracer {
   }
 
  private:
-  const double* point(Index v) const { return surface_.V.data() + 3 * std::int64_t{v}; }
-  Vec exact_point(Index v) const { return exact::vec(point(v)); }
-  Index edge_of(Index h) const { return std::min(h, topology_.twin[h]); }
+  Vec exact_point(Index v) const { return exact::vec(surface_.V.data() + 3 * std::int64_t{v}); }
+  const Point& position(Index node) const { return graph_.position(node); }
 
-  // Segments
-
+  // Those of the graph, but one of those that lie along the same edge: it is found from both faces there.
   void find_segments() {
-    std::vector<PairMeets> found(pairs_.size());
-    parallel_for(static_cast<std::int64_t>(pairs_.size()), 64, [&](std::int64_t begin, std::int64_t end) {
-      for (std::int64_t i = begin; i < end; ++i) found[i] = meets(pairs_[i].first, pairs_[i].second);
-    });
-    for (PairMeets& m : found) {
-      out_.touching_pairs += m.kind == PairMeets::Kind::point;
-      out_.coplanar_pairs += m.kind == PairMeets::Kind::coplanar;
-      if (m.kind == PairMeets::Kind::segment) segments_.push_back(std::move(m.segment));
+    for (std::size_t i = 0; i < graph_.pairs().size(); ++i) {
+      out_.touching_pairs += graph_.kind(i) == IntersectionGraph::Kind::point;
+      out_.coplanar_pairs += graph_.kind(i) == IntersectionGraph::Kind::coplanar;
     }
-  }
-
-  PairMeets meets(Index f, Index g) const {
-    PairMeets out;
-    std::vector<Meeting> ends;
-    if (!edges_through(f, g, false, ends)) {
-      out.kind = PairMeets::Kind::coplanar;
-      return out;
-    }
-    edges_through(g, f, true, ends);
-    std::sort(ends.begin(), ends.end());
-    ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
-    if (ends.empty()) return out;
-    if (ends.size() == 1) {
-      out.kind = PairMeets::Kind::point;
-      return out;
-    }
-    out.kind = PairMeets::Kind::segment;
-    out.segment.faces = {f, g};
-    out.segment.ends = {ends[0], ends[1]};
-    out.segment.along = {along(f, ends[0][0], ends[1][0]), along(g, ends[0][1], ends[1][1])};
-    return out;
-  }
-
-  // Where edges of f meet g. False when the faces lie in one plane. swapped: g is the first face of the pair.
-  bool edges_through(Index f, Index g, bool swapped, std::vector<Meeting>& ends) const {
-    const double *p = point(surface_.F(g, 0)), *q = point(surface_.F(g, 1)), *r = point(surface_.F(g, 2));
-    int side[3];
-    for (int k = 0; k < 3; ++k) side[k] = orient3d(p, q, r, point(surface_.F(f, k)));
-    if (side[0] == 0 && side[1] == 0 && side[2] == 0) return false;
-    const auto add = [&](Simplex in_f, Simplex in_g) {
-      ends.push_back(swapped ? Meeting{in_g, in_f} : Meeting{in_f, in_g});
+    const std::vector<RawSegment>& all = graph_.segments();
+    const auto key = [&](Index i) {
+      auto along = all[i].along;
+      if (along[1] < along[0]) std::swap(along[0], along[1]);
+      return std::pair(all[i].node, along);
     };
-    for (int k = 0; k < 3; ++k) {
-      if (side[k] == 0) {
-        const Index v = surface_.F(f, k);
-        if (const auto where = locate(v, g)) add({0, v}, *where);
-      }
-      if (side[k] * side[(k + 1) % 3] >= 0) continue;
-      const double *a = point(surface_.F(f, k)), *b = point(surface_.F(f, (k + 1) % 3));
-      const int turn[3] = {orient3d(a, b, p, q), orient3d(a, b, q, r), orient3d(a, b, r, p)};
-      if (const auto where = inside(g, turn)) add({1, edge_of(3 * f + k)}, *where);
-    }
-    return true;
-  }
-
-  // The simplex of g in which a point lies, from the sides of g's half-edges that it is on.
-  std::optional<Simplex> inside(Index g, const int* side) const {
-    int zeros = 0, sum = 0;
-    for (int k = 0; k < 3; ++k) zeros += side[k] == 0, sum += side[k];
-    if (std::abs(sum) + zeros != 3) return std::nullopt;
-    if (zeros == 0) return Simplex{2, g};
-    for (int k = 0; k < 3; ++k) {
-      if (side[k] != 0) continue;
-      if (zeros == 1) return Simplex{1, edge_of(3 * g + k)};
-      if (side[(k + 1) % 3] == 0) return Simplex{0, surface_.F(g, (k + 1) % 3)};
-    }
-    return std::nullopt;
-  }
-
-  // A vertex in the plane of g.
-  std::optional<Simplex> locate(Index v, Index g) const {
-    for (int k = 0; k < 3; ++k)
-      if (surface_.F(g, k) == v) return Simplex{0, v};
-    const Vec m = exact_point(v), n = rays_.normal(g);
-    int side[3];
-    for (int k = 0; k < 3; ++k) {
-      const Vec a = exact_point(surface_.F(g, k));
-      side[k] = exact::sign(dot(n, exact::cross(exact_point(surface_.F(g, (k + 1) % 3)) - a, m - a)));
-      if (side[k] < 0) return std::nullopt;
-    }
-    return inside(g, side);
-  }
-
-  Simplex along(Index f, const Simplex& a, const Simplex& b) const {
-    for (Index h = 3 * f; h < 3 * f + 3; ++h) {
-      const auto on = [&](const Simplex& x) {
-        return x == Simplex{1, edge_of(h)} || x == Simplex{0, half_edge_source(surface_.F, h)} ||
-               x == Simplex{0, half_edge_target(surface_.F, h)};
-      };
-      if (on(a) && on(b)) return {1, edge_of(h)};
-    }
-    return {2, f};
-  }
-
-  // Nodes
-
-  static Meeting unordered(const Meeting& m) { return m[0] <= m[1] ? m : Meeting{m[1], m[0]}; }
-
-  void number_nodes() {
-    for (const RawSegment& s : segments_)
-      for (const Meeting& m : s.ends) nodes_.push_back(unordered(m));
-    std::sort(nodes_.begin(), nodes_.end());
-    nodes_.erase(std::unique(nodes_.begin(), nodes_.end()), nodes_.end());
-    for (RawSegment& s : segments_) {
-      for (int e = 0; e < 2; ++e)
-        s.node[e] = static_cast<Index>(std::lower_bound(nodes_.begin(), nodes_.end(), unordered(s.ends[e])) -
-                                       nodes_.begin());
-      if (s.node[0] > s.node[1]) {
-        std::swap(s.node[0], s.node[1]);
-        std::swap(s.ends[0], s.ends[1]);
-      }
-    }
-    // A segment along an edge is found from both faces of the edge.
-    const auto key = [](const RawSegment& s) {
-      return std::pair(s.node, unordered({s.along[0], s.along[1]}));
-    };
-    std::vector<Index> order(segments_.size());
-    for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<Index>(i);
-    std::stable_sort(order.begin(), order.end(),
-                     [&](Index a, Index b) { return key(segments_[a]) < key(segments_[b]); });
-    std::vector<char> drop(segments_.size(), 0);
-    for (std::size_t i = 1; i < order.size(); ++i)
-      drop[order[i]] = key(segments_[order[i]]) == key(segments_[order[i - 1]]);
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < segments_.size(); ++i)
-      if (!drop[i]) segments_[kept++] = segments_[i];
-    segments_.resize(kept);
-
-    position_.resize(nodes_.size());
-    parallel_for(static_cast<std::int64_t>(nodes_.size()), 64, [&](std::int64_t begin, std::int64_t end) {
-      for (std::int64_t i = begin; i < end; ++i) position_[i] = Point(place(nodes_[i]));
-    });
+    std::vector<Index> order(all.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return key(a) < key(b); });
+    std::vector<char> drop(all.size(), 0);
+    for (std::size_t i = 1; i < order.size(); ++i) drop[order[i]] = key(order[i]) == key(order[i - 1]);
     touching_.resize(nodes_.size());
-    for (std::size_t s = 0; s < segments_.size(); ++s)
-      for (int e = 0; e < 2; ++e) touching_[segments_[s].node[e]].emplace_back(static_cast<Index>(s), e);
-  }
-
-  Vec place(const Meeting& m) const {  // dimensions do not decrease
-    if (m[0].dimension == 0) return exact_point(m[0].id);
-    const Vec a = exact_point(half_edge_source(surface_.F, m[0].id));
-    const Vec e = exact_point(half_edge_target(surface_.F, m[0].id)) - a;
-    if (m[1].dimension == 2) {
-      const Vec n = rays_.normal(m[1].id);
-      return a + (dot(n, exact_point(surface_.F(m[1].id, 0)) - a) / dot(n, e)) * e;
+    for (Index i = 0; i < static_cast<Index>(all.size()); ++i) {
+      if (drop[i]) continue;
+      for (int e = 0; e < 2; ++e)
+        touching_[all[i].node[e]].emplace_back(static_cast<Index>(segments_.size()), e);
+      number_.push_back(i);
+      segments_.push_back(all[i]);
+      overlaid_.push_back(graph_.cuts(i).overlaid);
+      cuts_.push_back(cuts_of(i));
     }
-    const Vec c = exact_point(half_edge_source(surface_.F, m[1].id));
-    const Vec d = exact_point(half_edge_target(surface_.F, m[1].id)) - c;
-    const Vec n = exact::cross(e, d);
-    return a + (exact::det(c - a, d, n) / dot(n, n)) * e;
   }
 
-  // Third faces
-
-  void cut_segments() {
-    cuts_.resize(segments_.size());
-    overlaid_.assign(segments_.size(), 0);
-    parallel_for(static_cast<std::int64_t>(segments_.size()), 16, [&](std::int64_t begin, std::int64_t end) {
-      for (std::int64_t s = begin; s < end && !context_.stop(); ++s) cut(s);
-    });
-  }
-
-  bool apart(const Point& a, const Point& b, Index h) const {
-    for (int k = 0; k < 3; ++k) {
-      // The points are rounded by an ulp.
-      const double slack = 1e-15 * (std::fabs(a.near[k]) + std::fabs(b.near[k]));
-      const double x = surface_.V(surface_.F(h, 0), k), y = surface_.V(surface_.F(h, 1), k),
-                   z = surface_.V(surface_.F(h, 2), k);
-      if (std::max({x, y, z}) < std::min(a.near[k], b.near[k]) - slack ||
-          std::min({x, y, z}) > std::max(a.near[k], b.near[k]) + slack)
-        return true;
-    }
-    return false;
-  }
-
-  void cut(std::size_t number) {
-    const RawSegment& s = segments_[number];
-    const Point &a = position_[s.node[0]], &b = position_[s.node[1]];
-    std::optional<Point> direction;
-    std::vector<Cut> cuts;
-    const auto add = [&](Index h, int step, bool plain) -> Cut& {
-      cuts.emplace_back();
-      cuts.back().step = step;
-      cuts.back().plain = plain;
-      cuts.back().by = h;
-      cuts.back().faces = {h};
-      return cuts.back();
-    };
-    for (const Index h : partners_.common(s.faces.first, s.faces.second)) {
-      if (apart(a, b, h)) continue;
-      const int sa = rays_.side(a, h), sb = rays_.side(b, h);
-      if (sa * sb > 0 || (sa == 0) != (sb == 0)) continue;
-      if (sa != 0) {
-        if (!direction) direction.emplace(b.x - a.x);
-        const int passes = rays_.passes(a, *direction, h);
-        if (passes == 0) continue;
-        const bool plain = passes != Rays::kGrazes;
-        Cut& cut = add(h, plain ? -passes : 0, plain && s.plain());
-        double error_a, error_b;
-        const double x = rays_.height(a, h, error_a), y = rays_.height(b, h, error_b);
-        const double span = std::fabs(x - y) - error_a - error_b;
-        cut.near = x / (x - y);
-        cut.error = span > 0 ? 3 * (error_a + error_b) / span + 1e-15 : HUGE_VAL;
-        if (!(cut.error < kNear)) refine(cut, a, b);
-      } else {
-        // The segment runs in the plane of h: cut it at h's edges.
-        const Vec n = rays_.normal(h);
-        Rational lo = 0, hi = 1;
-        for (int k = 0; k < 3; ++k) {
-          const Vec o = exact_point(surface_.F(h, k));
-          const Vec wall = exact::cross(n, exact_point(surface_.F(h, (k + 1) % 3)) - o);
-          const Rational x = dot(wall, a.x - o), y = dot(wall, b.x - o);
-          if (exact::sign(x) < 0 && exact::sign(y) < 0) hi = -1;
-          if (exact::sign(x) * exact::sign(y) >= 0) continue;
-          const Rational t = x / (x - y);
-          if (exact::sign(x) < 0) lo = std::max(lo, t);
-          if (exact::sign(x) > 0) hi = std::min(hi, t);
-        }
-        if (lo > hi) continue;
-        overlaid_[number] = 1;
-        for (const Rational& t : {lo, hi}) {
-          if (exact::sign(t) <= 0 || t >= 1) continue;
-          Cut& cut = add(h, 0, false);
-          cut.near = t.get_d();
-          cut.error = 1e-15;
-          cut.exact = t;
-        }
+  std::vector<Cut> cuts_of(Index number) const {
+    const RawSegment& s = graph_.segments()[number];
+    const IntersectionGraph::Cuts& cuts = graph_.cuts(number);
+    std::vector<Cut> out;
+    for (const IntersectionGraph::Cut& c : cuts.places) {
+      if (c.faces.empty()) continue;
+      Cut cut{c.near, c.exact, c.step, c.plain && !cuts.overlaid, c.faces, &c};
+      if (!cut.exact && !cut.plain) {
+        cut.exact = graph_.place(rays_, number, c);
+        cut.near = cut.exact->get_d();
       }
+      cut.faces.push_back(s.faces.first);
+      cut.faces.push_back(s.faces.second);
+      std::sort(cut.faces.begin(), cut.faces.end());
+      out.push_back(std::move(cut));
     }
-    // The order of exact arithmetic; the doubles decide wherever they are far enough apart.
-    const auto compare = [&](Cut& x, Cut& y) {
-      const double gap = x.near - y.near;
-      if (std::fabs(gap) > x.error + y.error) return gap < 0 ? -1 : 1;
-      refine(x, a, b);
-      refine(y, a, b);
-      return cmp(*x.exact, *y.exact);
-    };
-    std::vector<Cut*> order;
-    for (Cut& c : cuts) order.push_back(&c);
-    std::sort(order.begin(), order.end(), [&](Cut* x, Cut* y) { return compare(*x, *y) < 0; });
-    auto& kept = cuts_[number];
-    for (Cut* c : order) {
-      if (kept.empty() || compare(kept.back(), *c) != 0) {
-        kept.push_back(std::move(*c));
-        continue;
-      }
-      kept.back().step += c->step;
-      kept.back().plain = kept.back().plain && c->plain;
-      kept.back().faces.push_back(c->faces[0]);
-    }
-    for (Cut& c : kept) {
-      c.faces.push_back(s.faces.first);
-      c.faces.push_back(s.faces.second);
-      std::sort(c.faces.begin(), c.faces.end());
-      if (!c.plain || overlaid_[number]) {
-        c.plain = false;
-        refine(c, a, b);
-      }
-    }
-  }
-
-  Rational exact_place(const Cut& cut, const Point& a, const Point& b) const {
-    return cut.exact ? *cut.exact : rays_.cut(a, b, cut.by);
-  }
-  void refine(Cut& cut, const Point& a, const Point& b) const {
-    if (cut.exact) return;
-    cut.exact = exact_place(cut, a, b);
-    cut.near = cut.exact->get_d();
-    cut.error = 1e-15;
+    return out;
   }
 
   // Curves
@@ -459,7 +205,7 @@ class Tracer {
         out.kind = is_hinge(node) ? CurveNode::Kind::hinge : CurveNode::Kind::vertex;
         out.vertex = m[0].id;
       }
-      out.position = position_[node].near;
+      out.position = position(node).near;
       curve.nodes.push_back(out);
       places_[c].push_back({node, nullptr});
     };
@@ -468,7 +214,7 @@ class Tracer {
       begin(s.node[step.enters]);
       const auto& cuts = cuts_[step.segment];
       const int n = static_cast<int>(cuts.size());
-      const Point &a = position_[s.node[0]], &b = position_[s.node[1]];
+      const Point &a = position(s.node[0]), &b = position(s.node[1]);
       for (int i = 0; i <= n; ++i) {
         const int k = step.enters == 0 ? i : n - i;  // piece k lies between cuts k - 1 and k
         Piece piece{step.segment, k};
@@ -511,14 +257,14 @@ class Tracer {
       for (Index i = 0; i < static_cast<Index>(places_[c].size()); ++i) {
         const Place& place = places_[c][i];
         if (place.node >= 0) {
-          all.push_back({position_[place.node], nullptr, c, i});
+          all.push_back({position(place.node), nullptr, c, i});
         } else if (place.cut->plain) {
           all.push_back({{}, &place.cut->faces, c, i});
         } else {
           const Piece& piece = pieces_[c][i];
           const RawSegment& s = segments_[piece.segment];
-          const Vec& a = position_[s.node[0]].x;
-          all.push_back({Point(a + *place.cut->exact * (position_[s.node[1]].x - a)), nullptr, c, i});
+          const Vec& a = position(s.node[0]).x;
+          all.push_back({Point(a + *place.cut->exact * (position(s.node[1]).x - a)), nullptr, c, i});
         }
       }
     const auto order = [](const Entry& a, const Entry& b) {
@@ -563,14 +309,14 @@ class Tracer {
       const Place& place = places_[c][i];
       const auto& faces = curve.segments[std::min(i, curve.segments.size() - 1)].faces;
       if (place.node >= 0) {
-        for (int k = 0; k < 2; ++k) node.on[k] = on_face(position_[place.node].x, faces[k]);
+        for (int k = 0; k < 2; ++k) node.on[k] = on_face(position(place.node).x, faces[k]);
         continue;
       }
       if (places_[c][i - 1].node >= 0) {
         const auto& ends = segments_[pieces_[c][i].segment].node;
         for (int k = 0; k < 2; ++k) {
-          from[k] = on_face(position_[ends[0]].x, faces[k]);
-          to[k] = on_face(position_[ends[1]].x, faces[k]);
+          from[k] = on_face(position(ends[0]).x, faces[k]);
+          to[k] = on_face(position(ends[1]).x, faces[k]);
         }
       }
       for (int k = 0; k < 2; ++k) {
@@ -619,25 +365,25 @@ class Tracer {
   std::optional<int> look(const Piece& piece) const {
     const RawSegment& s = segments_[piece.segment];
     const auto [begin, end] = range(piece);
-    const Vec &from = position_[s.node[0]].x, along = position_[s.node[1]].x - from;
+    const Vec &from = position(s.node[0]).x, along = position(s.node[1]).x - from;
     const Vec u = exact::cross(rays_.normal(s.faces.first), rays_.normal(s.faces.second));
     const auto wedge = wedges_.in_front(s.faces.first, s.faces.second, u, from, along, begin, end);
     return wedge ? std::optional<int>(wedge->winding) : std::nullopt;
   }
 
   std::pair<Rational, Rational> range(const Piece& piece) const {
-    const RawSegment& s = segments_[piece.segment];
     const auto& cuts = cuts_[piece.segment];
-    const Point &a = position_[s.node[0]], &b = position_[s.node[1]];
+    const auto place = [&](const Cut& cut) {
+      return cut.exact ? *cut.exact : graph_.place(rays_, number_[piece.segment], *cut.origin);
+    };
     const std::size_t k = static_cast<std::size_t>(piece.number);
-    return {k == 0 ? Rational(0) : exact_place(cuts[k - 1], a, b),
-            k == cuts.size() ? Rational(1) : exact_place(cuts[k], a, b)};
+    return {k == 0 ? Rational(0) : place(cuts[k - 1]), k == cuts.size() ? Rational(1) : place(cuts[k])};
   }
 
   void look_around(const Piece& piece, CurveSegment& segment) const {
     const RawSegment& s = segments_[piece.segment];
     const auto [begin, end] = range(piece);
-    const Vec &from = position_[s.node[0]].x, along = position_[s.node[1]].x - from;
+    const Vec &from = position(s.node[0]).x, along = position(s.node[1]).x - from;
     for (const Wedge& wedge :
          wedges_.around(exact::whole(along), Point(from + ((begin + end) / 2) * along))) {
       segment.winding_min =
@@ -667,15 +413,13 @@ class Tracer {
   }
 
   const Surface& surface_;
-  const SurfaceTopology& topology_;
-  const std::vector<FacePair>& pairs_;
+  IntersectionGraph& graph_;
+  const std::vector<Meeting>& nodes_;
   const RunContext& context_;
   const Rays rays_;
-  const Partners partners_;
   const Wedges wedges_;
   std::vector<RawSegment> segments_;
-  std::vector<Meeting> nodes_;
-  std::vector<Point> position_;                               // of the nodes
+  std::vector<Index> number_;                                 // of the segments, in the graph
   std::vector<std::vector<std::pair<Index, int>>> touching_;  // per node: (segment, end)
   std::vector<std::vector<Cut>> cuts_;                        // per segment
   std::vector<char> overlaid_;                                // per segment: third faces run along it
@@ -703,10 +447,10 @@ Index Curves::triple_points() const {
                                           [](const Junction& j) { return j.strands.size() > 2; }));
 }
 
-Result<Curves> trace_curves(const Surface& surface, const SurfaceTopology& topology, const TriangleBvh& bvh,
-                            const std::vector<FacePair>& pairs, const RunContext& context) {
+Result<Curves> trace_curves(const Surface& surface, const TriangleBvh& bvh, IntersectionGraph& graph,
+                            const RunContext& context) {
   const OrdinarySize sized(surface, bvh);
-  Result<Curves> curves = Tracer(sized.surface(), topology, sized.bvh(), pairs, context).run();
+  Result<Curves> curves = Tracer(sized.surface(), sized.bvh(), graph, context).run();
   if (curves.ok() && sized.scaled()) {
     for (Curve& curve : curves.value().curves) {
       curve.length = sized.back(curve.length);

@@ -1,10 +1,10 @@
 // The curves in which the surface passes through itself, traced exactly.
 //
-// A pair of faces meets in a segment. Its ends are where an edge of one face meets the other face, and that
-// edge leads to the next pair: so segments are strung together by (edge, face), never by how close their ends
-// are. A curve is closed, or ends at hinges (vertices whose one-ring crosses itself), or, in special
-// position, where the surface only touches itself or where more than two segments meet. Every curve is seen
-// twice on the surface, once on each of the two sheets that cross in it: its preimages.
+// Pairs of faces meet in segments (intersection_graph.h). The edge in which one ends leads to the next pair:
+// so segments are strung together by (edge, face), never by how close their ends are. A curve is closed, or
+// ends at hinges (vertices whose one-ring crosses itself), or, in special position, where the surface only
+// touches itself or where more than two segments meet. Every curve is seen twice on the surface, once on each
+// of the two sheets that cross in it: its preimages.
 //
 // Third sheets cut curves into pieces (triple points, which are junctions of three curves). Around a piece
 // the winding number takes four values: w in front of both faces, w + 1 in front of one and behind the other,
@@ -18,13 +18,14 @@
 #include <optional>
 #include <vector>
 
-#include "kernels/bvh/self_intersections.h"
+#include "kernels/bvh/bvh.h"
 #include "overtet/result.h"
 #include "overtet/run_context.h"
 #include "overtet/types.h"
-#include "src/mesh/topology.h"
 
 namespace overtet {
+
+class IntersectionGraph;
 
 // A point of the surface: barycentric coordinates in a face, 0 where it lies on the edge opposite.
 struct SurfacePoint {
@@ -88,9 +89,9 @@ struct Curves {
   Index triple_points() const;  // junctions of three strands or more
 };
 
-// pairs: all intersecting pairs of the surface, sorted. pre: no face without area.
+// graph: of all intersecting pairs of the surface; prepared as far as has been needed.
 // Errors: limit or interrupted only.
-Result<Curves> trace_curves(const Surface& surface, const SurfaceTopology& topology, const TriangleBvh& bvh,
-                            const std::vector<FacePair>& pairs, const RunContext& context);
+Result<Curves> trace_curves(const Surface& surface, const TriangleBvh& bvh, IntersectionGraph& graph,
+                            const RunContext& context);
 
 }  // namespace overtet

@@ -4,23 +4,16 @@
 #include <set>
 #include <tuple>
 
-#include "kernels/predicates/predicates.h"
-
 namespace overtet {
 
 using exact::Rational;
 using exact::Vec;
 
-void FaceCuts::run(const std::vector<FacePair>& pairs, const RunContext& context) {
-  for (const auto& [f, g] : pairs) {
-    if (context.stop()) return;
-    meet(f, g);
-  }
+void FaceCuts::run(const exact::Rays& rays, const RunContext& context) {
+  if (!graph_.prepare_all(rays, context)) return;
+  for (std::size_t i = 0; i < graph_.pairs().size(); ++i) number_ends(i);
   for (auto& [f, list] : partners_) std::sort(list.begin(), list.end());
-  for (const auto& [f, list] : partners_) {
-    if (context.stop()) return;
-    find_triples(f, list);
-  }
+  find_triples(rays);
   const Index n = static_cast<Index>(surface_.F.rows());
   for (Index f = 0; f < n; ++f) {
     if ((f & 255) == 0 && context.stop()) return;
@@ -62,150 +55,77 @@ Vec FaceCuts::normal(Index f) const {
   return exact::cross(exact::vec(corner(f, 1)) - a, exact::vec(corner(f, 2)) - a);
 }
 
-int FaceCuts::side(Index f, const double* p) const {
-  return orient3d(corner(f, 0), corner(f, 1), corner(f, 2), p);
-}
-
 std::string FaceCuts::name(Index f, Index g) {
   return "faces " + std::to_string(f) + " and " + std::to_string(g);
 }
 
-Index FaceCuts::add(const std::array<Index, 4>& key, const std::function<Vec()>& where) {
-  const auto [at, added] = number_.try_emplace(key, static_cast<Index>(surface_.V.rows() + added_.size()));
-  if (added) added_.push_back(where());
-  return at->second;
-}
-
-bool FaceCuts::in_triangle(const Vec& n, const std::array<Vec, 3>& p, const Vec& x) {
-  for (int k = 0; k < 3; ++k)
-    if (exact::sign(dot(n, exact::cross(p[(k + 1) % 3] - p[k], x - p[k]))) < 0) return false;
-  return true;
-}
-
-bool FaceCuts::touches(Index a, Index b, Index f, int ha, int hb) const {
-  const Vec n = normal(f), pa = exact::vec(point(a)), pb = exact::vec(point(b));
-  const std::array<Vec, 3> p{exact::vec(corner(f, 0)), exact::vec(corner(f, 1)), exact::vec(corner(f, 2))};
-  if ((ha == 0 && in_triangle(n, p, pa)) || (hb == 0 && in_triangle(n, p, pb))) return true;
-  if (ha != 0 || hb != 0) return false;
-  for (int k = 0; k < 3; ++k) {
-    const Vec &c = p[k], &d = p[(k + 1) % 3];
-    const auto turn = [&](const Vec& from, const Vec& to, const Vec& x) {
-      return exact::sign(dot(n, exact::cross(to - from, x - from)));
-    };
-    if (turn(pa, pb, c) * turn(pa, pb, d) <= 0 && turn(c, d, pa) * turn(c, d, pb) <= 0) return true;
+// In the order in which a walk around both faces meets them, edge by edge.
+void FaceCuts::number_ends(std::size_t pair) {
+  const auto [f, g] = graph_.pairs()[pair];
+  if (graph_.kind(pair) == IntersectionGraph::Kind::coplanar)
+    throw Degenerate{name(f, g) + " lie on each other"};
+  if (graph_.kind(pair) != IntersectionGraph::Kind::segment) throw Degenerate{name(f, g) + " touch"};
+  const IntersectionGraph::Segment& s = graph_.segments()[graph_.segment_of(pair)];
+  if (!s.plain()) throw Degenerate{name(f, g) + " touch"};
+  std::array<std::pair<int, Index>, 2> order;
+  for (int e = 0; e < 2; ++e) {
+    const auto& [in_f, in_g] = s.ends[e];
+    if (in_f.dimension == 0 && in_f == in_g) {
+      order[e] = {-1, in_f.id};
+      continue;
+    }
+    if (in_f.dimension + in_g.dimension != 3 || std::min(in_f.dimension, in_g.dimension) != 1)
+      throw Degenerate{name(f, g) + " touch"};
+    const bool of_f = in_f.dimension == 1;
+    const Index face = of_f ? f : g, edge = (of_f ? in_f : in_g).id;
+    const Index a = half_edge_source(surface_.F, edge), b = half_edge_target(surface_.F, edge);
+    int k = 0;  // of the face's corners a and b are k and k + 1
+    for (const auto& F = surface_.F; F(face, (k + 2) % 3) == a || F(face, (k + 2) % 3) == b;) ++k;
+    order[e] = {2 * k + !of_f, s.node[e]};
   }
-  return false;
-}
-
-bool FaceCuts::pierces(Index a, Index b, Index f) const {
-  const int ha = side(f, point(a)), hb = side(f, point(b));
-  if (ha * hb > 0) return false;
-  const auto odd = [&] {
-    return Degenerate{"edge " + std::to_string(a) + "-" + std::to_string(b) + " touches face " +
-                      std::to_string(f)};
-  };
-  if (ha == 0 || hb == 0) {
-    if (touches(a, b, f, ha, hb)) throw odd();
-    return false;
-  }
-  bool left = false, right = false, on = false;
-  for (int k = 0; k < 3; ++k) {
-    const int s = orient3d(point(a), point(b), corner(f, k), corner(f, k + 1));
-    (s > 0 ? left : s < 0 ? right : on) = true;
-  }
-  if (left && right) return false;
-  if (on) throw odd();
-  return true;
-}
-
-void FaceCuts::meet(Index f, Index g) {
-  std::vector<std::array<int, 2>> common;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      if (surface_.F(f, i) == surface_.F(g, j)) common.push_back({i, j});
-  if (common.size() > 1) throw Degenerate{name(f, g) + " are folded onto each other"};
-  std::vector<Index> ends;
-  const auto look = [&](Index a, Index b, Index face) {
-    if (a > b) std::swap(a, b);
-    if (!pierces(a, b, face)) return;
-    const std::size_t before = added_.size();
-    const Index node = add({0, a, b, face}, [&] {
-      const Vec n = normal(face), o = exact::vec(corner(face, 0)), pa = exact::vec(point(a)),
-                pb = exact::vec(point(b));
-      const Rational ha = dot(n, pa - o), hb = dot(n, pb - o);
-      return pa + (ha / (ha - hb)) * (pb - pa);
-    });
-    if (added_.size() > before) on_edge_[{a, b}].push_back(node);
-    ends.push_back(node);
-  };
-  const auto look_at_edge = [&](Index face, int k, Index other) {
-    look(surface_.F(face, k % 3), surface_.F(face, (k + 1) % 3), other);
-  };
-  if (common.empty()) {
-    for (int k = 0; k < 3; ++k) look_at_edge(f, k, g), look_at_edge(g, k, f);
-    if (ends.empty()) return;
-  } else {
-    const auto [i, j] = common[0];
-    // The directions from the common corner to the others: arcs that cross, or not.
-    const double *a = corner(f, i + 1), *b = corner(f, i + 2), *c = corner(g, j + 1), *d = corner(g, j + 2);
-    const int sa = side(g, a), sb = side(g, b), sc = side(f, c), sd = side(f, d);
-    if (sa == 0 || sb == 0 || sc == 0 || sd == 0) throw Degenerate{name(f, g) + " touch"};
-    if (sa == sb || sc == sd || sa == sc) return;
-    ends.push_back(surface_.F(f, i));
-    look_at_edge(f, i + 1, g);
-    look_at_edge(g, j + 1, f);
-  }
-  if (ends.size() != 2) throw Degenerate{name(f, g) + " meet in an odd way"};
-  segments_[{f, g}] = {ends[0], ends[1]};
+  std::sort(order.begin(), order.end());
+  std::array<Index, 2> ends;
+  for (int e = 0; e < 2; ++e) ends[e] = order[e].first < 0 ? order[e].second : number(order[e].second);
+  segments_[{f, g}] = ends;
   partners_[f].push_back(g);
   partners_[g].push_back(f);
 }
 
-int FaceCuts::shared(Index f, Index g) const {
-  int n = 0;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) n += surface_.F(f, i) == surface_.F(g, j);
-  return n;
+Index FaceCuts::number(Index graph_node) {
+  const auto [at, added] =
+      number_.try_emplace(graph_node, static_cast<Index>(surface_.V.rows() + added_.size()));
+  if (!added) return at->second;
+  added_.push_back(graph_.position(graph_node).x);
+  const IntersectionGraph::Meeting& m = graph_.nodes()[graph_node];  // an edge, and a face
+  const Index a = half_edge_source(surface_.F, m[0].id), b = half_edge_target(surface_.F, m[0].id);
+  on_edge_[{std::min(a, b), std::max(a, b)}].push_back(at->second);
+  return at->second;
 }
 
-void FaceCuts::find_triples(Index f, const std::vector<Index>& list) {
-  for (const Index g : list) {
-    if (g < f) continue;
-    for (const Index h : list) {
-      if (h < g || !segments_.count({g, h}) || h == g) continue;
-      if (shared(f, g) > 1 || shared(f, h) > 1 || shared(g, h) > 1) continue;
-      bool vertex = false;  // of all three
-      for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-          for (int k = 0; k < 3; ++k)
-            vertex = vertex || (surface_.F(f, i) == surface_.F(g, j) && surface_.F(f, i) == surface_.F(h, k));
-      if (!vertex) triple(f, g, h);
+void FaceCuts::find_triples(const exact::Rays& rays) {
+  std::map<std::array<Index, 3>, Vec> found;
+  for (Index i = 0; i < static_cast<Index>(graph_.segments().size()); ++i) {
+    const IntersectionGraph::Segment& s = graph_.segments()[i];
+    for (const IntersectionGraph::Cut& cut : graph_.cuts(i).places) {
+      if (cut.faces.empty()) continue;
+      if (!cut.plain || cut.faces.size() > 1)
+        throw Degenerate{name(s.faces.first, s.faces.second) + " and " + std::to_string(cut.faces[0]) +
+                         " meet in an odd way"};
+      std::array<Index, 3> faces{s.faces.first, s.faces.second, cut.faces[0]};
+      if (faces[2] < faces[1]) continue;  // found from the first two
+      const Vec &a = graph_.position(s.node[0]).x, &b = graph_.position(s.node[1]).x;
+      found.emplace(faces, a + graph_.place(rays, i, cut) * (b - a));
     }
+    if (graph_.cuts(i).overlaid)
+      throw Degenerate{name(s.faces.first, s.faces.second) + " touch a third face"};
   }
-}
-
-void FaceCuts::triple(Index f, Index g, Index h) {
-  const Vec nf = normal(f), ng = normal(g), nh = normal(h);
-  const Rational w = exact::det(nf, ng, nh);
-  const auto odd = [&] {
-    return Degenerate{name(f, g) + " and " + std::to_string(h) + " meet in an odd way"};
-  };
-  if (exact::sign(w) == 0) throw odd();
-  const auto height = [&](const Vec& n, Index face) { return dot(n, exact::vec(corner(face, 0))); };
-  const Vec x = (1 / w) * (height(nf, f) * exact::cross(ng, nh) + height(ng, g) * exact::cross(nh, nf) +
-                           height(nh, h) * exact::cross(nf, ng));
-  bool inside = true;
-  for (const auto& [face, n] : {std::pair{f, &nf}, std::pair{g, &ng}, std::pair{h, &nh}})
-    for (int k = 0; k < 3; ++k) {
-      const Vec p = exact::vec(corner(face, k));
-      const int s = exact::sign(dot(*n, exact::cross(exact::vec(corner(face, k + 1)) - p, x - p)));
-      if (s == 0) throw odd();
-      inside = inside && s > 0;
-    }
-  if (!inside) return;
-  const Index node = add({1, f, g, h}, [&] { return x; });
-  for (const FacePair& pair : {FacePair{f, g}, FacePair{g, h}, FacePair{f, h}})
-    triples_[pair].push_back(node);
+  for (const auto& [faces, place] : found) {
+    const Index node = static_cast<Index>(surface_.V.rows() + added_.size());
+    added_.push_back(place);
+    const auto [f, g, h] = faces;
+    for (const FacePair& pair : {FacePair{f, g}, FacePair{g, h}, FacePair{f, h}})
+      triples_[pair].push_back(node);
+  }
 }
 
 std::vector<Index> FaceCuts::chain(std::vector<Index> nodes, const Vec& along) const {

@@ -3,16 +3,15 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <map>
 #include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "kernels/bvh/self_intersections.h"
 #include "overtet/run_context.h"
 #include "overtet/types.h"
+#include "src/arrangement/intersection_graph.h"
 #include "src/exact/exact.h"
 #include "src/mesh/topology.h"
 
@@ -48,8 +47,7 @@ class FaceCuts {
     Index f, g, from, to;
   };
 
-  FaceCuts(const Surface& surface, const SurfaceTopology& topology)
-      : surface_(surface), topology_(topology) {}
+  FaceCuts(const Surface& surface, IntersectionGraph& graph) : surface_(surface), graph_(graph) {}
 
   std::vector<Half> halves;         // by face
   std::vector<Index> half_begin;    // #F + 1; within a face sorted by (from, to)
@@ -57,8 +55,8 @@ class FaceCuts {
   std::vector<int> holes;           // per part
   std::vector<Piece> pieces;
 
-  // Throws Degenerate; ends early when the context says so.
-  void run(const std::vector<FacePair>& pairs, const RunContext& context);
+  // Throws Degenerate; ends early when the context says so. rays: of the surface.
+  void run(const exact::Rays& rays, const RunContext& context);
 
   // The half-edge of f from node x to node y.
   Index half(Index f, Index x, Index y) const;
@@ -72,25 +70,12 @@ class FaceCuts {
   const double* point(Index v) const;
   const double* corner(Index f, int k) const;
   exact::Vec normal(Index f) const;
-  int side(Index f, const double* p) const;  // 1 in front of the face
   static std::string name(Index f, Index g);
-  Index add(const std::array<Index, 4>& key, const std::function<exact::Vec()>& where);
 
-  static bool in_triangle(const exact::Vec& n, const std::array<exact::Vec, 3>& p, const exact::Vec& x);
-
-  // Whether the segment from a to b has a point in common with face f; one of them lies in its plane.
-  bool touches(Index a, Index b, Index f, int ha, int hb) const;
-
-  // Whether edge a-b passes through face f, which has neither of its ends.
-  bool pierces(Index a, Index b, Index f) const;
-
-  void meet(Index f, Index g);
-
-  int shared(Index f, Index g) const;
-
-  void find_triples(Index f, const std::vector<Index>& list);
-
-  void triple(Index f, Index g, Index h);
+  // Nodes and triple points, in a fixed order.
+  void number_ends(std::size_t pair);
+  Index number(Index graph_node);
+  void find_triples(const exact::Rays& rays);
 
   std::vector<Index> chain(std::vector<Index> nodes, const exact::Vec& along) const;
 
@@ -100,8 +85,8 @@ class FaceCuts {
   void divide(Index f, const std::vector<std::pair<Index, Index>>& found, std::size_t border);
 
   const Surface& surface_;
-  const SurfaceTopology& topology_;
-  std::map<std::array<Index, 4>, Index> number_;  // of added nodes
+  IntersectionGraph& graph_;
+  std::map<Index, Index> number_;  // of the graph's nodes that are not vertices
   std::vector<exact::Vec> added_;
   std::map<FacePair, std::array<Index, 2>> segments_;
   std::map<Index, std::vector<Index>> partners_;

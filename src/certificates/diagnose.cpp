@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdio>
 
+#include "src/arrangement/intersection_graph.h"
 #include "src/certificates/separated.h"
 #include "src/exact/exact.h"
 #include "src/exact/ordinary_size.h"
@@ -244,7 +245,8 @@ Result<Diagnosis> diagnose(const Surface& surface, const DiagnoseOptions& option
     const Stopwatch time(d.times.winding);
     WindingRangeOptions range;
     range.stop_at_first_negative = !options.full_winding_range;
-    auto winding = find_winding_range(own, topology, *bvh, d.pairs, context, range);
+    d.graph = std::make_shared<IntersectionGraph>(own, topology, *bvh, d.pairs);
+    auto winding = find_winding_range(own, topology, *bvh, *d.graph, context, range);
     if (!winding.ok()) return winding.error();
     d.winding = std::move(winding).value();
   }

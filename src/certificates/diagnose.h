@@ -14,10 +14,13 @@
 #include "src/certificates/stacks.h"
 #include "src/certificates/winding_range.h"
 #include "src/covering/hinges.h"
+#include "src/covering/pierced_edge.h"
 #include "src/covering/wound_edges.h"
 #include "src/mesh/topology.h"
 
 namespace overtet {
+
+class IntersectionGraph;
 
 struct DiagnoseOptions {
   // The whole winding range even when a witness has been found early. `inspect` wants it, `mesh` need not.
@@ -70,7 +73,10 @@ struct Diagnosis {
   WoundEdges wound;
   std::vector<std::string> advice;  // sentences for a person
   DiagnosisTimes times;
-  std::shared_ptr<const TriangleBvh> bvh;  // of the surface as it is; null when the diagnosis ended early
+  // Of the surface as it is; null when the diagnosis ended early. The graph of its pairs is handed on to all
+  // that goes on with them (intersection_graph.h), and grows there.
+  std::shared_ptr<const TriangleBvh> bvh;
+  std::shared_ptr<IntersectionGraph> graph;
 
   bool complete() const { return bvh != nullptr; }
   int genus() const {

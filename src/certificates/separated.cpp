@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <set>
 #include <string>
 #include <utility>
 
 #include "kernels/bvh/self_intersections.h"
+#include "src/covering/edge_parts.h"
+#include "src/covering/pierced_edge.h"
 #include "src/exact/exact.h"
 
 namespace overtet {
@@ -16,7 +17,6 @@ namespace overtet {
 namespace {
 
 using exact::Point;
-using exact::Rational;
 using exact::Vec;
 
 // Covered edges that lead further than this from odd hinges are a case for others: every edge costs exact
@@ -88,10 +88,10 @@ class Study {
       : s_(s),
         topology_(check_topology(s).topology),
         bvh_(s.V, s.F),
+        rays_(s.V, s.F, bvh_),
         pairs_(find_self_intersections(s.V, s.F, bvh_)) {
     hinges_ = find_hinges(s, topology_, bvh_, pairs_);
     pierced_ = find_pierced_edges(s, topology_, pairs_);
-    for (const PiercedEdge& e : pierced_) piercing_[e.half_edge] = &e.faces;
   }
 
   Result<WoundEdges> wound(const RunContext& context) const {
@@ -144,32 +144,23 @@ class Study {
   // A point of each piece between the crossings of an edge, with the level there.
   std::optional<Pieces> pieces_of(Index half_edge) const {
     const Index e = std::min(half_edge, topology_.twin[half_edge]);
-    const auto known = piercing_.find(e);
-    const std::vector<Index> none, &piercing = known == piercing_.end() ? none : *known->second;
-    const auto levels = edge_levels(s_, topology_, bvh_, e, piercing);
-    if (!levels) return std::nullopt;
-    const exact::Rays rays(s_.V, s_.F, bvh_);
+    const auto parts = edge_parts(rays_, topology_, e, piercing_faces(pierced_, topology_, e));
+    if (!parts) return std::nullopt;
     const Point a = at(half_edge_source(s_.F, e)), b = at(half_edge_target(s_.F, e));
     const Vec along = b.x - a.x;
-    std::vector<Rational> cuts{0, 1};
-    for (const Index g : piercing)
-      if (rays.side(a, g) != rays.side(b, g)) cuts.push_back(rays.cut(a, b, g));
-    std::sort(cuts.begin(), cuts.end());
-    cuts.erase(std::unique(cuts.begin(), cuts.end()), cuts.end());
-    if (cuts.size() != levels->size() + 1) return std::nullopt;
     Pieces out;
-    for (std::size_t i = 0; i < levels->size(); ++i)
-      out.emplace_back(Point(a.x + ((cuts[i] + cuts[i + 1]) / 2) * along), (*levels)[i]);
+    for (const EdgePart& part : *parts)
+      out.emplace_back(Point(a.x + ((part.from + part.to) / 2) * along), part.level);
     return out;
   }
 
   const Surface& s_;
   const SurfaceTopology topology_;
   TriangleBvh bvh_;
+  const exact::Rays rays_;
   const std::vector<FacePair> pairs_;
   std::vector<Hinge> hinges_;
   std::vector<PiercedEdge> pierced_;
-  std::map<Index, const std::vector<Index>*> piercing_;
 };
 
 bool holds(const Conditions& conditions, const Rest& rest, const Point& direction) {

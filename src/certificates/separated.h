@@ -5,7 +5,7 @@
 // direction d nothing touches any more, and all that wound_edges.h says applies. There the rest of the
 // surface counts only by its winding numbers just beside points of the component: at x what it is at x + eps
 // d. Where they leave an odd group of hinges of the component as it is, there is no mesh of the whole. (What
-// is wrong at a single point needs no moves: shared.h.)
+// is wrong at a single point needs no moves: shared_points.h.)
 #pragma once
 
 #include <optional>

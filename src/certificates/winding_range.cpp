@@ -6,6 +6,8 @@
 #include <mutex>
 
 #include "kernels/predicates/predicates.h"
+#include "src/arrangement/intersection_graph.h"
+#include "src/exact/in_plane.h"
 #include "src/exact/wedges.h"
 
 namespace overtet {
@@ -34,79 +36,68 @@ struct PairFinding {
   }
 };
 
-// Where a third face crosses a pair's segment.
-struct Cut {
-  Index face = -1;
-  int step = 0;                // how the winding number changes there, on the way along the segment
-  double near = 0, error = 0;  // the place on the segment, 0 to 1
-  std::optional<Rational> exact;
-};
-
 class PairStudy {
  public:
-  PairStudy(const Rays& rays, const Partners& partners) : rays_(rays), partners_(partners), wedges_(rays) {}
+  PairStudy(const Rays& rays, const IntersectionGraph& graph) : rays_(rays), graph_(graph), wedges_(rays) {}
 
-  PairFinding run(const FacePair& pair) const {
+  // pre: the graph is prepared for the pair's segment.
+  PairFinding run(std::size_t pair) const {
     PairFinding out;
-    const Index f = pair.first, g = pair.second;
-    const Sides sides_f = sides(f, g), sides_g = sides(g, f);
-    if (sides_f == Sides{}) {
-      coplanar(f, g, out);
-      return out;
+    const auto [f, g] = graph_.pairs()[pair];
+    switch (graph_.kind(pair)) {
+      case IntersectionGraph::Kind::segment:
+        pieces(graph_.segment_of(pair), out);
+        break;
+      case IntersectionGraph::Kind::coplanar:
+        coplanar(f, g, out);
+        break;
+      default:
+        out.touches = true;
     }
-    // A face that meets the other one's plane in no more than a corner.
-    const auto corner_only = [](const Sides& s) { return std::abs(s[0] + s[1] + s[2]) == 2; };
-    if (corner_only(sides_f) || corner_only(sides_g)) {
-      out.touches = true;
-      return out;
-    }
-    const Vec nf = rays_.normal(f), ng = rays_.normal(g), u = exact::cross(nf, ng);
-    bool regular = true;
-    Vec from, to;
-    if (!segment(f, g, sides_f, sides_g, nf, ng, u, from, to, regular)) {
-      out.touches = true;
-      return out;
-    }
-    pieces(f, g, u, from, to, regular, out);
     return out;
   }
 
  private:
-  Vec corner(Index f, int k) const { return exact::vec(rays_.corner(f, k % 3)); }
-
-  // On which side of face g's plane the corners of face f lie.
-  using Sides = std::array<int, 3>;
-  Sides sides(Index f, Index g) const {
-    Sides out;
-    for (int k = 0; k < 3; ++k)
-      out[k] = orient3d(rays_.corner(g, 0), rays_.corner(g, 1), rays_.corner(g, 2), rays_.corner(f, k));
-    return out;
-  }
-
-  // Where the plane (point o, normal n) cuts face f, whose corners lie on these sides of it: the two ends on
-  // the common line.
-  bool cut(Index f, const Sides& side, const Vec& o, const Vec& n, std::vector<Vec>& ends,
-           bool& regular) const {
-    for (int k = 0; k < 3; ++k)
-      if (side[k] == 0) ends.push_back(corner(f, k));
-    if (ends.size() > 1) regular = false;  // an edge of f lies in the plane
-    for (int k = 0; k < 3; ++k) {
-      const int m = (k + 1) % 3;
-      if (side[k] * side[m] >= 0) continue;
-      const Vec p = corner(f, k), q = corner(f, m);
-      const Rational a = dot(n, p - o), b = dot(n, q - o);
-      ends.push_back(p + (a / (a - b)) * (q - p));
+  // Looks at a point of every piece of a segment, on the way along its longest extent.
+  void pieces(Index number, PairFinding& out) const {
+    const IntersectionGraph::Segment& s = graph_.segments()[number];
+    const IntersectionGraph::Cuts& cuts = graph_.cuts(number);
+    const auto [f, g] = s.faces;
+    const Vec u = exact::cross(rays_.normal(f), rays_.normal(g));
+    const Vec &a = graph_.position(s.node[0]).x, &b = graph_.position(s.node[1]).x;
+    const bool ahead = goes_up(u, a, b);
+    const Vec &from = ahead ? a : b, along = ahead ? b - a : a - b;
+    const int n = static_cast<int>(cuts.places.size());
+    bool regular = s.plain() && !cuts.in_plane;
+    std::vector<int> level{0};  // of each piece, relative to the first
+    for (int i = 0; i < n; ++i) {
+      const IntersectionGraph::Cut& cut = cuts.places[ahead ? i : n - 1 - i];
+      regular = regular && cut.plain;
+      level.push_back(level.back() + (ahead ? cut.step : -cut.step));
     }
-    return !ends.empty();
+    const auto place = [&](int i) -> Rational {  // where piece i begins, and piece i - 1 ends
+      if (i == 0 || i == n + 1) return i == 0 ? 0 : 1;
+      const Rational at = graph_.place(rays_, number, cuts.places[ahead ? i - 1 : n - i]);
+      return ahead ? at : Rational(1 - at);
+    };
+    if (regular) {
+      // One ray, on the lowest piece; the others follow from it.
+      const int lowest = static_cast<int>(std::min_element(level.begin(), level.end()) - level.begin());
+      if (front_wedge(f, g, u, from, along, place(lowest), place(lowest + 1), out)) {
+        out.max += *std::max_element(level.begin(), level.end()) - level[lowest];
+        return;
+      }
+    }
+    Rational begin = 0;
+    for (int i = 0; i <= n; ++i) {
+      Rational end = place(i + 1);
+      all_wedges(u, Point(from + ((begin + end) / 2) * along), out);
+      begin = std::move(end);
+    }
   }
 
-  // The common segment of two faces in different planes; false when it is a point at most.
-  bool segment(Index f, Index g, const Sides& sides_f, const Sides& sides_g, const Vec& nf, const Vec& ng,
-               const Vec& u, Vec& from, Vec& to, bool& regular) const {
-    std::vector<Vec> in_f, in_g;
-    if (!cut(f, sides_f, corner(g, 0), ng, in_f, regular) ||
-        !cut(g, sides_g, corner(f, 0), nf, in_g, regular))
-      return false;
+  // Whether the largest coordinate of a direction grows from a to b.
+  static bool goes_up(const Vec& u, const Vec& a, const Vec& b) {
     int axis = 0;
     const auto size = exact::approximate(u);
     for (int k = 1; k < 3; ++k)
@@ -114,89 +105,7 @@ class PairStudy {
     if (exact::sign(u[axis]) == 0)
       for (int k = 0; k < 3; ++k)
         if (exact::sign(u[k]) != 0) axis = k;
-    const auto less = [&](const Vec& a, const Vec& b) { return a[axis] < b[axis]; };
-    std::sort(in_f.begin(), in_f.end(), less);
-    std::sort(in_g.begin(), in_g.end(), less);
-    from = std::max(in_f.front(), in_g.front(), less);
-    to = std::min(in_f.back(), in_g.back(), less);
-    return from[axis] < to[axis];
-  }
-
-  // Cuts the segment where third faces' planes cross it and looks at a point of every piece.
-  void pieces(Index f, Index g, const Vec& u, const Vec& from, const Vec& to, bool regular,
-              PairFinding& out) const {
-    const Vec along = to - from;
-    const Point start(from), direction(along);
-    const Point end(to);
-    std::vector<Cut> cuts;
-    for (const Index h : partners_.common(f, g)) {
-      const int sa = rays_.side(start, h), sb = rays_.side(end, h);
-      if (sa * sb > 0 || (sa == 0) != (sb == 0)) continue;
-      const int passes = rays_.passes(start, direction, h);
-      if (passes == 0) continue;
-      if (sa * sb < 0) {
-        Cut cut;
-        cut.face = h;
-        cut.step = -passes;
-        double error_a, error_b;
-        const double a = rays_.height(start, h, error_a), b = rays_.height(end, h, error_b);
-        const double span = std::fabs(a - b) - error_a - error_b;
-        cut.near = a / (a - b);
-        cut.error = span > 0 ? 3 * (error_a + error_b) / span + 1e-15 : HUGE_VAL;
-        cuts.push_back(std::move(cut));
-        if (passes == Rays::kGrazes) regular = false;
-      } else {
-        // The segment runs in the plane of h: cut it at h's edges.
-        regular = false;
-        const auto [axis, up] = flat_axis(h);
-        for (int k = 0; k < 3; ++k) {
-          const Crossing c = crossing(start, end, rays_.corner(h, k), rays_.corner(h, (k + 1) % 3), axis, up);
-          if (c.from * c.to >= 0) continue;
-          Cut cut;
-          cut.exact = c.place();
-          cut.near = cut.exact->get_d();
-          cut.error = 1e-15;
-          cuts.push_back(std::move(cut));
-        }
-      }
-    }
-    const auto at = [&](Cut& cut) -> const Rational& {
-      if (!cut.exact) cut.exact = rays_.cut(start, end, cut.face);
-      return *cut.exact;
-    };
-    // The order of exact arithmetic; the doubles decide wherever they are far enough apart.
-    const auto compare = [&](Cut& x, Cut& y) {
-      const double gap = x.near - y.near;
-      if (std::fabs(gap) > x.error + y.error) return gap < 0 ? -1 : 1;
-      return cmp(at(x), at(y));
-    };
-    std::vector<Cut*> order;
-    for (Cut& cut : cuts) order.push_back(&cut);
-    std::sort(order.begin(), order.end(), [&](Cut* x, Cut* y) { return compare(*x, *y) < 0; });
-    std::vector<Cut*> place;    // where pieces 1, 2, ... begin
-    std::vector<int> level{0};  // of each piece, relative to the first
-    for (Cut* cut : order) {
-      if (!place.empty() && compare(*place.back(), *cut) == 0) {
-        level.back() += cut->step;
-        continue;
-      }
-      place.push_back(cut);
-      level.push_back(level.back() + cut->step);
-    }
-    const auto begins = [&](int i) { return i == 0 ? Rational(0) : at(*place[i - 1]); };
-    const auto ends = [&](int i) {
-      return i == static_cast<int>(place.size()) ? Rational(1) : at(*place[i]);
-    };
-    const int n = static_cast<int>(level.size());
-    if (regular) {
-      // One ray, on the lowest piece; the others follow from it.
-      const int lowest = static_cast<int>(std::min_element(level.begin(), level.end()) - level.begin());
-      if (front_wedge(f, g, u, from, along, begins(lowest), ends(lowest), out)) {
-        out.max += *std::max_element(level.begin(), level.end()) - level[lowest];
-        return;
-      }
-    }
-    for (int i = 0; i < n; ++i) all_wedges(u, Point(from + ((begins(i) + ends(i)) / 2) * along), out);
+    return a[axis] < b[axis];
   }
 
   bool front_wedge(Index f, Index g, const Vec& u, const Vec& from, const Vec& along, const Rational& t0,
@@ -244,38 +153,14 @@ class PairStudy {
     out.touches = !any;
   }
 
-  // On which side of a face's edge from a to b the two ends of another edge lie in the same plane (1: the
-  // face's), and if not on the same, how far from it.
-  struct Crossing {
-    int from, to;
-    Rational from_height, to_height;
-    Rational place() const { return from_height / (from_height - to_height); }  // on the edge, 0 to 1
-  };
-  Crossing crossing(const Point& from, const Point& to, const double* a, const double* b, int axis,
-                    int up) const {
-    const int i = (axis + 1) % 3, j = (axis + 2) % 3;
-    const auto height = [&](const Point& p) -> Rational {
-      return (Rational(b[i]) - a[i]) * (p.x[j] - a[j]) - (Rational(b[j]) - a[j]) * (p.x[i] - a[i]);
-    };
-    const auto side = [&](const Point& p) {
-      return up *
-             (p.in_doubles ? orient2d(a[i], a[j], b[i], b[j], p.near[i], p.near[j]) : exact::sign(height(p)));
-    };
-    Crossing out{side(from), side(to), {}, {}};
-    if (out.from * out.to >= 0) return out;
-    out.from_height = height(from);
-    out.to_height = height(to);
-    return out;
-  }
-
   // The piece of an edge of face x inside face y, coplanar; false if there is none.
   bool outline(Index x, int k, Index y, PairFinding& out) const {
     const double *from = rays_.corner(x, k), *to = rays_.corner(x, (k + 1) % 3);
     const Point start(from), end(to);
-    const auto [axis, up] = flat_axis(y);
+    const exact::PlaneView view(rays_, y);
     Rational lo = 0, hi = 1;
     for (int j = 0; j < 3; ++j) {
-      const Crossing c = crossing(start, end, rays_.corner(y, j), rays_.corner(y, (j + 1) % 3), axis, up);
+      const auto c = view.crossing(start, end, rays_.corner(y, j), rays_.corner(y, (j + 1) % 3));
       if (std::max(c.from, c.to) <= 0 && std::min(c.from, c.to) < 0) return false;
       if (c.from < 0) lo = std::max(lo, c.place());
       if (c.to < 0) hi = std::min(hi, c.place());
@@ -288,23 +173,19 @@ class PairStudy {
     };
     const Vec &p = start.x, e = end.x - p;
     const Point line(e);
-    for (const Index h : partners_.common(x, y)) {
+    for (const Index h : graph_.common_partners(x, y)) {
       const double* corners[3] = {rays_.corner(h, 0), rays_.corner(h, 1), rays_.corner(h, 2)};
       const int s = orient3d(corners[0], corners[1], corners[2], from);
       const int t = orient3d(corners[0], corners[1], corners[2], to);
       if (s * t < 0) {
         if (rays_.passes(start, line, h) != 0) add(rays_.cut(start, end, h));
       } else if (s == 0 && t == 0) {
-        const auto [flat, side] = flat_axis(h);
+        const exact::PlaneView flat(rays_, h);
         for (int j = 0; j < 3; ++j) {
           const double *a = corners[j], *b = corners[(j + 1) % 3];
-          const Crossing c = crossing(start, end, a, b, flat, side);
-          if (c.from * c.to >= 0) continue;
+          const auto c = flat.crossing(start, end, a, b);
           // Only the edge cuts, not the line on which it lies.
-          const int i1 = (flat + 1) % 3, i2 = (flat + 2) % 3;
-          const int sa = orient2d(from[i1], from[i2], to[i1], to[i2], a[i1], a[i2]);
-          const int sb = orient2d(from[i1], from[i2], to[i1], to[i2], b[i1], b[i2]);
-          if (sa * sb <= 0) add(c.place());
+          if (c.crosses() && flat.side(from, to, a) * flat.side(from, to, b) <= 0) add(c.place());
         }
       }
     }
@@ -314,26 +195,13 @@ class PairStudy {
     return true;
   }
 
-  // An axis along which a face's plane can be looked at, and the sign of the face's area then.
-  std::pair<int, int> flat_axis(Index f) const {
-    const double *a = rays_.corner(f, 0), *b = rays_.corner(f, 1), *c = rays_.corner(f, 2);
-    const auto n = rays_.unit_normal(f);
-    int best = 0;
-    for (int k = 1; k < 3; ++k)
-      if (std::fabs(n[k]) > std::fabs(n[best])) best = k;
-    for (int k = 0;; ++k) {
-      const int axis = (best + k) % 3, i = (axis + 1) % 3, j = (axis + 2) % 3;
-      if (const int up = orient2d(a[i], a[j], b[i], b[j], c[i], c[j]); up != 0) return {axis, up};
-    }
-  }
-
   struct Place {
     Vec m;
     exact::Whole u;  // along the line through it
   };
 
   const Rays& rays_;
-  const Partners& partners_;
+  const IntersectionGraph& graph_;
   const Wedges wedges_;
   mutable std::mutex places_mutex_;
   mutable std::map<std::array<double, 3>, std::vector<std::pair<Place, PairFinding>>>
@@ -368,11 +236,11 @@ std::optional<WindingWitness> make_witness(const Rays& rays, const Wedge& wedge)
 }  // namespace
 
 Result<WindingRange> find_winding_range(const Surface& surface, const SurfaceTopology& topology,
-                                        const TriangleBvh& bvh, const std::vector<FacePair>& pairs,
+                                        const TriangleBvh& bvh, IntersectionGraph& graph,
                                         const RunContext& context, const WindingRangeOptions& options) {
   const Rays rays(surface.V, surface.F, bvh);
-  const Partners partners(pairs);
-  const PairStudy study(rays, partners);
+  const std::vector<FacePair>& pairs = graph.pairs();
+  const PairStudy study(rays, graph);
   WindingRange out;
   if (auto stop = context.stop()) return *stop;
 
@@ -387,10 +255,14 @@ Result<WindingRange> find_winding_range(const Surface& surface, const SurfaceTop
       break;
     }
     const std::size_t last = std::min(first + wave, pairs.size());
+    const Index segments = static_cast<Index>(graph.segments().size());
+    const Status ready = graph.prepare(rays, graph.segment_of(first),
+                                       last < pairs.size() ? graph.segment_of(last) : segments, context);
+    if (!ready) return ready.error();
     std::vector<PairFinding> findings(last - first);
     parallel_for(static_cast<std::int64_t>(last - first), 8, [&](std::int64_t begin, std::int64_t end) {
       if (context.stop()) return;
-      for (std::int64_t i = begin; i < end; ++i) findings[i] = study.run(pairs[first + i]);
+      for (std::int64_t i = begin; i < end; ++i) findings[i] = study.run(first + i);
     });
     if (auto stop = context.stop()) return *stop;
     for (std::size_t i = 0; i < findings.size(); ++i) {

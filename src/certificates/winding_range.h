@@ -22,6 +22,8 @@
 
 namespace overtet {
 
+class IntersectionGraph;
+
 struct WindingWitness {
   std::array<double, 3> point{};     // the nearest doubles
   std::array<std::string, 3> exact;  // the point itself, as integers or fractions
@@ -44,10 +46,10 @@ struct WindingRangeOptions {
   bool stop_at_first_negative = false;  // a witness is enough; min and max then are bounds only
 };
 
-// pairs: all intersecting pairs of the surface, sorted.
+// graph: of all intersecting pairs of the surface; prepared as far as has been needed.
 // pre: no face without area.
 Result<WindingRange> find_winding_range(const Surface& surface, const SurfaceTopology& topology,
-                                        const TriangleBvh& bvh, const std::vector<FacePair>& pairs,
+                                        const TriangleBvh& bvh, IntersectionGraph& graph,
                                         const RunContext& context, const WindingRangeOptions& options = {});
 
 }  // namespace overtet

@@ -41,17 +41,18 @@ constexpr std::int64_t kMostStepsNear = 24'000'000;
 class Checker {
  public:
   Checker(const Surface& surface, const SurfaceTopology& topology, const TriangleBvh& bvh,
-          const RunContext& context)
+          IntersectionGraph& graph, const RunContext& context)
       : surface_(surface),
         topology_(topology),
         rays_(surface.V, surface.F, bvh),
         context_(context),
-        cuts_(surface, topology) {}
+        pairs_(graph.pairs()),
+        cuts_(surface, graph) {}
 
-  Result<GluingAnswer> run(const std::vector<FacePair>& pairs) {
+  Result<GluingAnswer> run() {
     GluingAnswer out;
     try {
-      cuts_.run(pairs, context_);
+      cuts_.run(rays_, context_);
       if (auto stop = context_.stop()) return *stop;
       find_shells();
     } catch (const Degenerate& where) {
@@ -79,7 +80,7 @@ class Checker {
       if (auto stop = context_.stop()) return *stop;
       if (answer == GluingSearch::Answer::found) continue;
       if (answer == GluingSearch::Answer::too_long) {
-        if (const auto conflict = near_hinges(pairs, most, out.steps)) {
+        if (const auto conflict = near_hinges(most, out.steps)) {
           out.verdict = GluingVerdict::conflict;
           name(fewer(*conflict, out.steps), out);
           if (auto stop = context_.stop()) return *stop;
@@ -400,10 +401,9 @@ class Checker {
 
   // A conflict among the conditions closest to one of the hinges, if that is found. least: of kSheets, what
   // is known to contradict nothing has fewer sheets.
-  std::optional<std::vector<Condition>> near_hinges(const std::vector<FacePair>& pairs, int least,
-                                                    std::int64_t& steps) const {
+  std::optional<std::vector<Condition>> near_hinges(int least, std::int64_t& steps) const {
     std::set<Index> hinges;
-    for (const auto& [f, g] : pairs)
+    for (const auto& [f, g] : pairs_)
       for (const Index v : surface_.F.row(f))
         if ((surface_.F.row(g).array() == v).any() && hinges.size() < kMostHinges) hinges.insert(v);
     std::vector<std::array<double, 3>> places;
@@ -499,6 +499,7 @@ class Checker {
   const SurfaceTopology& topology_;
   const exact::Rays rays_;
   const RunContext& context_;
+  const std::vector<FacePair>& pairs_;
   FaceCuts cuts_;
   std::vector<EdgePiece> edge_pieces_;
   std::vector<std::array<Index, 4>> leaves_;  // per piece of a curve
@@ -517,10 +518,10 @@ class Checker {
 }  // namespace
 
 Result<GluingAnswer> check_gluing(const Surface& surface, const SurfaceTopology& topology,
-                                  const TriangleBvh& bvh, const std::vector<FacePair>& pairs,
+                                  const TriangleBvh& bvh, IntersectionGraph& graph,
                                   const RunContext& context) {
   const OrdinarySize sized(surface, bvh);
-  Result<GluingAnswer> answer = Checker(sized.surface(), topology, sized.bvh(), context).run(pairs);
+  Result<GluingAnswer> answer = Checker(sized.surface(), topology, sized.bvh(), graph, context).run();
   if (answer.ok() && sized.scaled())
     for (GluingAnswer::Crossing& c : answer.value().crossings) c.place = sized.back(c.place);
   return answer;

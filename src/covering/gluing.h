@@ -33,6 +33,8 @@
 
 namespace overtet {
 
+class IntersectionGraph;
+
 enum class GluingVerdict {
   open,       // nothing contradicts a gluing
   conflict,   // there is none: no positive mesh exists
@@ -57,10 +59,10 @@ struct GluingAnswer {
   std::int64_t steps = 0;  // of the search
 };
 
-// pairs: all intersecting pairs of the surface, sorted.
+// graph: of all intersecting pairs of the surface; prepared as far as has been needed.
 // pre: every face has an area. Errors: limit or interrupted only.
 Result<GluingAnswer> check_gluing(const Surface& surface, const SurfaceTopology& topology,
-                                  const TriangleBvh& bvh, const std::vector<FacePair>& pairs,
+                                  const TriangleBvh& bvh, IntersectionGraph& graph,
                                   const RunContext& context);
 
 }  // namespace overtet

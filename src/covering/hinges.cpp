@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "kernels/predicates/predicates.h"
 #include "src/exact/exact.h"
@@ -171,8 +170,6 @@ std::optional<int> smallest_around(const Surface& surface, const Rays& rays, con
   return least;
 }
 
-Index edge_of(const SurfaceTopology& topology, Index h) { return std::min(h, topology.twin[h]); }
-
 }  // namespace
 
 std::optional<int> vertex_b0(const Surface& surface, const SurfaceTopology& topology, const TriangleBvh& bvh,
@@ -219,131 +216,6 @@ std::vector<Hinge> find_hinges(const Surface& surface, const SurfaceTopology& to
     }
   });
   return hinges;
-}
-
-std::vector<PiercedEdge> find_pierced_edges(const Surface& surface, const SurfaceTopology& topology,
-                                            const std::vector<FacePair>& pairs) {
-  std::vector<std::pair<Index, Index>> found;  // edge, face
-  const auto point = [&](Index v) { return surface.V.data() + 3 * std::int64_t{v}; };
-  const auto look = [&](Index f, Index g) {  // edges of f through g
-    const auto *a = point(surface.F(g, 0)), *b = point(surface.F(g, 1)), *c = point(surface.F(g, 2));
-    for (Index h = 3 * f; h < 3 * f + 3; ++h) {
-      const Index s = half_edge_source(surface.F, h), t = half_edge_target(surface.F, h);
-      bool at_s = false, at_t = false;
-      for (int k = 0; k < 3; ++k) at_s = at_s || surface.F(g, k) == s, at_t = at_t || surface.F(g, k) == t;
-      if (at_s && at_t) continue;
-      // A corner in common: the rest of the edge meets the face only when it runs in its plane.
-      if (at_s && orient3d(a, b, c, point(t)) != 0) continue;
-      if (at_t && orient3d(a, b, c, point(s)) != 0) continue;
-      if (segment_triangle_intersect(point(s), point(t), a, b, c))
-        found.emplace_back(edge_of(topology, h), g);
-    }
-  };
-  for (const auto& [f, g] : pairs) {
-    look(f, g);
-    look(g, f);
-  }
-  std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
-  std::vector<PiercedEdge> out;
-  for (const auto& [edge, face] : found) {
-    if (out.empty() || out.back().half_edge != edge) out.push_back({edge, {}});
-    out.back().faces.push_back(face);
-  }
-  return out;
-}
-
-std::optional<std::vector<int>> edge_levels(const Surface& surface, const SurfaceTopology& topology,
-                                            const TriangleBvh& bvh, Index half_edge,
-                                            const std::vector<Index>& piercing) {
-  const Rays rays(surface.V, surface.F, bvh);
-  const auto point = [&](Index v) { return surface.V.data() + 3 * std::int64_t{v}; };
-  const Index twin = topology.twin[half_edge];
-  const double *pa = point(half_edge_source(surface.F, half_edge)),
-               *pb = point(half_edge_target(surface.F, half_edge));
-  const double *pc = point(half_edge_opposite(surface.F, half_edge)),
-               *pd = point(half_edge_opposite(surface.F, twin));
-  std::vector<Index> own{half_edge_face(half_edge), half_edge_face(twin)};
-  std::sort(own.begin(), own.end());
-  const Vec a = exact::vec(pa), e = exact::vec(pb) - a, c = exact::vec(pc) - a, d = exact::vec(pd) - a;
-
-  struct Cut {
-    Rational at;
-    int change;  // of the level, from the source on
-  };
-  std::vector<Cut> cuts{{0, 0}, {1, 0}};
-  for (const Index g : piercing) {
-    const Vec n = rays.normal(g);
-    const Rational from = dot(n, a - exact::vec(rays.corner(g, 0))), along = dot(n, e);
-    if (exact::sign(along) == 0) return std::nullopt;
-    const Rational t = -from / along;
-    if (exact::sign(t) > 0 && t < 1) cuts.push_back({t, -exact::sign(along)});
-  }
-  std::sort(cuts.begin(), cuts.end(), [](const Cut& x, const Cut& y) { return x.at < y.at; });
-
-  const int side = orient3d(pa, pb, pc, pd);  // > 0: reflex inside, so the outer wedge is the narrow one
-  const bool fold = side == 0 && exact::sign(dot(exact::cross(e, c), exact::cross(e, d))) > 0;
-  std::vector<int> levels;
-  for (std::size_t i = 1; i < cuts.size(); ++i) {
-    if (cuts[i - 1].at == cuts[i].at) continue;
-    // One face alone is passed through its inside: where its border is, its neighbour is cut as well.
-    if (i > 1 && cuts[i - 2].at != cuts[i - 1].at) {
-      levels.push_back(levels.back() + cuts[i - 1].change);
-      continue;
-    }
-    bool counted = false;
-    for (int attempt = 0; attempt < 12 && !counted; ++attempt) {
-      const Rational part(1 + attempt % 4);
-      const Rational t = (part * cuts[i - 1].at + cuts[i].at) / (part + 1);
-      // Positive combinations of the two faces' directions lie in the wedge of less than half a turn.
-      const double weight = 1 + 0.5 * exact::scatter(attempt);
-      const auto length = [](const Vec& x) {
-        const auto y = exact::approximate(x);
-        const double l = std::sqrt(y[0] * y[0] + y[1] * y[1] + y[2] * y[2]);
-        // The squares may be out of the range of doubles.
-        return l > 1e-140 && l < 1e150
-                   ? l
-                   : std::min(std::hypot(y[0], y[1], y[2]), std::numeric_limits<double>::max());
-      };
-      const Rational lean(0.3 * exact::scatter(attempt + 3));
-      // The parts across the edge, so that both directions count alike; any multiple of e may be added.
-      const double ee = std::max(length(e), 1e-300);
-      const auto across = [&](const Vec& x) {
-        const auto xn = exact::approximate(x), en = exact::approximate(e);
-        const double along = (xn[0] * en[0] + xn[1] * en[1] + xn[2] * en[2]) / (ee * ee);
-        return x - Rational(std::isfinite(along) ? along : 0.0) * e;
-      };
-      const Vec ca = across(c), da = across(d);
-      const double lc = length(ca), ld = length(da);
-      const Rational wc(std::isfinite(weight / lc) ? weight / lc : 1.0),
-          wd(std::isfinite(1 / ld) ? 1 / ld : 1.0);
-      Vec direction;
-      if (side == 0) {
-        // Straight, or a fold: its angle counts as a full turn, so the outer side is one layer less than
-        // what both sides show.
-        direction = rays.normal(own[0]) + (lean / Rational(std::max(1.0, ee))) * e;
-      } else {
-        direction = wc * ca + wd * da;
-        if (side < 0) direction = Rational(-1) * direction;
-        if (attempt > 0) direction = direction + (lean / Rational(ee)) * e;
-      }
-      const auto ray = rays.count(Point(a + t * e), Point(direction), nullptr, own);
-      if (ray.status == RayStatus::starts_on_surface) break;
-      if (ray.status != RayStatus::counted) continue;
-      counted = true;
-      levels.push_back(fold ? ray.winding - 1 : ray.winding);
-    }
-    if (!counted) return std::nullopt;
-  }
-  return levels;
-}
-
-std::optional<int> edge_capacity(const Surface& surface, const SurfaceTopology& topology,
-                                 const TriangleBvh& bvh, Index half_edge,
-                                 const std::vector<Index>& piercing) {
-  const auto levels = edge_levels(surface, topology, bvh, half_edge, piercing);
-  if (!levels || levels->empty()) return std::nullopt;
-  return *std::min_element(levels->begin(), levels->end());
 }
 
 }  // namespace overtet

@@ -58,25 +58,4 @@ std::optional<int> smallest_winding(const Surface& surface, const SurfaceTopolog
                                     const TriangleBvh& bvh, Index vertex,
                                     const std::vector<FacePair>& crossings);
 
-// Where an edge is pierced: faces that contain a point of its inside and do not belong to it.
-struct PiercedEdge {
-  Index half_edge = -1;  // the smaller one of the two
-  std::vector<Index> faces;
-};
-
-// Sorted by half-edge. pairs: all intersecting pairs of the surface.
-std::vector<PiercedEdge> find_pierced_edges(const Surface& surface, const SurfaceTopology& topology,
-                                            const std::vector<FacePair>& pairs);
-
-// The winding number m_e on the outer side of an edge, from the source of `half_edge` to its target, for
-// every part into which `piercing` (the faces of find_pierced_edges; empty for others) cuts the edge.
-// Exact. None where the edge runs inside another face.
-std::optional<std::vector<int>> edge_levels(const Surface& surface, const SurfaceTopology& topology,
-                                            const TriangleBvh& bvh, Index half_edge,
-                                            const std::vector<Index>& piercing);
-
-// The smallest of them: what bounds k_e.
-std::optional<int> edge_capacity(const Surface& surface, const SurfaceTopology& topology,
-                                 const TriangleBvh& bvh, Index half_edge, const std::vector<Index>& piercing);
-
 }  // namespace overtet

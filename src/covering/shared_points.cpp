@@ -9,7 +9,9 @@
 #include <utility>
 
 #include "kernels/predicates/predicates.h"
+#include "src/covering/edge_parts.h"
 #include "src/covering/link.h"
+#include "src/covering/pierced_edge.h"
 #include "src/exact/exact.h"
 
 namespace overtet {
@@ -82,7 +84,7 @@ class Star {
 
   bool defined() const { return defined_; }
 
-  // w_i of shared.h.
+  // w_i of shared_points.h.
   std::optional<int> layers(const Point& d) const {
     for (const Index f : rim_)
       if (exact::sign(dot(rays_->normal(f), d.x)) == 0) return std::nullopt;
@@ -98,11 +100,7 @@ class Star {
     if (hinge_.crossings.empty()) return 0;  // the polygon bounds a disc of one layer
     std::vector<int> near, at_most;
     for (const Index h : half_edges_around(topology_, 0)) {
-      const Index e = std::min(h, topology_.twin[h]);
-      const auto at = std::find_if(pierced_.begin(), pierced_.end(),
-                                   [&](const PiercedEdge& p) { return p.half_edge == e; });
-      const auto levels =
-          edge_levels(surface_, topology_, bvh_, h, at == pierced_.end() ? std::vector<Index>{} : at->faces);
+      const auto levels = edge_levels(surface_, topology_, bvh_, h, piercing_faces(pierced_, topology_, h));
       if (!levels || levels->empty()) return 0;
       near.push_back(levels->front() - hinge_.covering);
       at_most.push_back(turns(ends_[half_edge_target(surface_.F, h) - 1]));
@@ -235,28 +233,25 @@ class Study {
 
   // How often the tets at the edge from v can turn beyond what it shows.
   int most_turns(Index v, Index end) const {
-    const Index h = find_half_edge(s_.F, topology_, v, end), e = std::min(h, topology_.twin[h]);
+    const Index h = find_half_edge(s_.F, topology_, v, end);
     const Point a(position(v)), b(position(end));
     const Vec along = b.x - a.x;
     std::vector<Rational> cuts{0, 1};
-    const auto cut = [&](const Vec& normal, const Vec& o) {
-      const Rational slope = dot(normal, along);
-      if (exact::sign(slope) == 0) return false;
-      const Rational t = dot(normal, o - a.x) / slope;
-      if (exact::sign(t) > 0 && t < 1) cuts.push_back(t);
-      return true;
-    };
-    const auto at = std::lower_bound(pierced_.begin(), pierced_.end(), e,
-                                     [](const PiercedEdge& p, Index x) { return p.half_edge < x; });
-    if (at != pierced_.end() && at->half_edge == e)
-      for (const Index g : at->faces) {
-        const Vec n = rays_.normal(g);
-        std::array<Vec, 3> corner;
-        for (int k = 0; k < 3; ++k) corner[k] = exact::vec(rays_.corner(g, k));
-        if (cut(n, corner[0])) continue;
-        // It runs in the plane of the face: more cuts than needed do no harm.
-        for (int k = 0; k < 3; ++k) cut(exact::cross(n, corner[(k + 1) % 3] - corner[k]), corner[k]);
+    std::vector<Index> in_plane;
+    for (EdgeCut& cut : edge_cuts(rays_, a.x, along, piercing_faces(pierced_, topology_, h), in_plane))
+      cuts.push_back(std::move(cut.at));
+    // Where it runs in the plane of a face: more cuts than needed do no harm.
+    for (const Index g : in_plane) {
+      const Vec n = rays_.normal(g);
+      for (int k = 0; k < 3; ++k) {
+        const Vec o = exact::vec(rays_.corner(g, k));
+        const Vec wall = exact::cross(n, exact::vec(rays_.corner(g, (k + 1) % 3)) - o);
+        const Rational slope = dot(wall, along);
+        if (exact::sign(slope) == 0) continue;
+        Rational t = dot(wall, o - a.x) / slope;
+        if (exact::sign(t) > 0 && t < 1) cuts.push_back(std::move(t));
       }
+    }
     std::sort(cuts.begin(), cuts.end());
     cuts.erase(std::unique(cuts.begin(), cuts.end()), cuts.end());
     int most = kNoBound;

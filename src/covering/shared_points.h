@@ -25,6 +25,7 @@
 #include "overtet/run_context.h"
 #include "overtet/types.h"
 #include "src/covering/hinges.h"
+#include "src/covering/pierced_edge.h"
 #include "src/covering/wound_edges.h"
 #include "src/mesh/topology.h"
 

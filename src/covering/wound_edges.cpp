@@ -36,11 +36,10 @@ class Assigner {
         topology_(topology),
         bvh_(bvh),
         hinges_(hinges),
-        pierced_list_(pierced),
+        pierced_(pierced),
         context_(context) {
-    for (const PiercedEdge& e : pierced) pierced_.emplace(e.half_edge, &e.faces);
     if (std::any_of(hinges.begin(), hinges.end(), [](const Hinge& h) { return h.B0 && *h.B0 % 2 != 0; }))
-      study_pierced(pierced);
+      study_pierced();
   }
 
   Result<WoundEdges> run() {
@@ -192,7 +191,7 @@ class Assigner {
               out);
     }
     if (out.forbidden()) return std::nullopt;
-    auto shared = find_shared(surface_, topology_, bvh_, hinges_, pierced_list_, unsure, context_);
+    auto shared = find_shared(surface_, topology_, bvh_, hinges_, pierced_, unsure, context_);
     if (!shared.ok()) return shared.error();
     for (const SharedPoint& p : shared.value()) {
       out.unfillable.insert(out.unfillable.end(), p.vertices.begin(), p.vertices.end());
@@ -212,9 +211,8 @@ class Assigner {
   bool meets_vertex(Index v) const {
     bool found = false;
     around(v, [&](Index h) {
-      const auto at = pierced_.find(edge_of(h));
-      if (found || at == pierced_.end()) return;
-      for (const Index g : *at->second)
+      if (found) return;
+      for (const Index g : piercing_faces(pierced_, topology_, h))
         for (int k = 0; k < 3; ++k) {
           const Index u = surface_.F(g, k);
           found = found || (u != v && surface_.V.row(u) == surface_.V.row(v));
@@ -243,7 +241,7 @@ class Assigner {
     tree_.distance.assign(n, kFar);
     tree_.from.assign(n, -1);
     is_pierced_.assign(surface_.F.rows() * 3, 0);
-    for (const auto& [e, faces] : pierced_) is_pierced_[e] = 1;
+    for (const PiercedEdge& e : pierced_) is_pierced_[e.half_edge] = 1;
     double total = 0;
     Index count = 0;
     for (Index h = 0; h < 3 * static_cast<Index>(surface_.F.rows()); ++h) {
@@ -271,9 +269,7 @@ class Assigner {
     int value = 0;
     bool found = false;
     for (const Index h : half_edges_around(topology_, v)) {
-      const auto at = pierced_.find(edge_of(h));
-      const auto levels = edge_levels(surface_, topology_, bvh_, h,
-                                      at == pierced_.end() ? std::vector<Index>{} : *at->second);
+      const auto levels = edge_levels(surface_, topology_, bvh_, h, piercing_faces(pierced_, topology_, h));
       if (!levels || levels->empty()) continue;
       value = levels->front();
       found = true;
@@ -295,21 +291,19 @@ class Assigner {
     const Index e = edge_of(h);
     const auto known = edges_.find(e);
     if (known != edges_.end()) return known->second;
-    const auto at = pierced_.find(e);
-    return edges_.emplace(e, study(e, at == pierced_.end() ? std::vector<Index>{} : *at->second))
-        .first->second;
+    return edges_.emplace(e, study(e, piercing_faces(pierced_, topology_, e))).first->second;
   }
 
   // Floods from odd hinges ask for nearly all of them: all at once, then.
-  void study_pierced(const std::vector<PiercedEdge>& pierced) {
-    std::vector<Edge> found(pierced.size());
-    parallel_for(static_cast<std::int64_t>(pierced.size()), kEdgeGrain,
+  void study_pierced() {
+    std::vector<Edge> found(pierced_.size());
+    parallel_for(static_cast<std::int64_t>(pierced_.size()), kEdgeGrain,
                  [&](std::int64_t begin, std::int64_t end) {
                    for (std::int64_t i = begin; i < end; ++i)
-                     found[i] = study(pierced[i].half_edge, pierced[i].faces);
+                     found[i] = study(pierced_[i].half_edge, pierced_[i].faces);
                  });
-    for (std::size_t i = 0; i < pierced.size(); ++i)
-      edges_.emplace(pierced[i].half_edge, std::move(found[i]));
+    for (std::size_t i = 0; i < pierced_.size(); ++i)
+      edges_.emplace(pierced_[i].half_edge, std::move(found[i]));
   }
 
   // Whether the levels of the edge are defined.
@@ -715,9 +709,8 @@ class Assigner {
   const SurfaceTopology& topology_;
   const TriangleBvh& bvh_;
   const std::vector<Hinge>& hinges_;
-  const std::vector<PiercedEdge>& pierced_list_;
+  const std::vector<PiercedEdge>& pierced_;
   const RunContext& context_;
-  std::unordered_map<Index, const std::vector<Index>*> pierced_;
   std::vector<Index> hinge_at_;
   std::vector<Index> patch_;
   static constexpr int kUnknown = std::numeric_limits<int>::min();

@@ -23,6 +23,7 @@
 #include "overtet/run_context.h"
 #include "overtet/types.h"
 #include "src/covering/hinges.h"
+#include "src/covering/pierced_edge.h"
 #include "src/mesh/topology.h"
 
 namespace overtet {

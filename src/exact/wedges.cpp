@@ -127,29 +127,6 @@ class Borders {
 
 }  // namespace
 
-Partners::Partners(const std::vector<FacePair>& pairs) {
-  list_.reserve(2 * pairs.size());
-  for (const auto& [f, g] : pairs) list_.emplace_back(f, g), list_.emplace_back(g, f);
-  std::sort(list_.begin(), list_.end());
-}
-
-std::vector<Index> Partners::common(Index f, Index g) const {
-  std::vector<Index> out;
-  auto i = std::lower_bound(list_.begin(), list_.end(), FacePair(f, -1));
-  auto j = std::lower_bound(list_.begin(), list_.end(), FacePair(g, -1));
-  while (i != list_.end() && j != list_.end() && i->first == f && j->first == g) {
-    if (i->second == j->second) {
-      out.push_back(i->second);
-      ++i, ++j;
-    } else if (i->second < j->second) {
-      ++i;
-    } else {
-      ++j;
-    }
-  }
-  return out;
-}
-
 std::optional<Wedge> Wedges::in_front(Index f, Index g, const Vec& u, const Vec& from, const Vec& along,
                                       const Rational& t0, const Rational& t1) const {
   const std::vector<Index> skip{std::min(f, g), std::max(f, g)};

@@ -1,25 +1,12 @@
-// Private to the .cpp files of this room: winding numbers next to a line in which faces meet, and the faces
-// that intersect two given ones.
+// Private to the .cpp files of this room: winding numbers next to a line in which faces meet.
 #pragma once
 
 #include <optional>
 #include <vector>
 
-#include "kernels/bvh/self_intersections.h"
 #include "src/exact/exact.h"
 
 namespace overtet {
-
-// The faces that intersect each face, from the sorted pairs.
-class Partners {
- public:
-  explicit Partners(const std::vector<FacePair>& pairs);
-  // Faces that intersect both f and g, sorted.
-  std::vector<Index> common(Index f, Index g) const;
-
- private:
-  std::vector<FacePair> list_;
-};
 
 // A ray into one of the wedges around a point of a line, with what it counted.
 struct Wedge {

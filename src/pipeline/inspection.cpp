@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <map>
 
 #include "kernels/predicates/predicates.h"
 #include "src/covering/gluing.h"
+#include "src/covering/pierced_edge.h"
 #include "src/exact/ordinary_size.h"
 
 namespace overtet {
@@ -159,7 +159,7 @@ Result<Inspection> inspect(const Surface& surface, InspectionDepth depth, const 
 Status look_for_conflict(const Surface& surface, Inspection& r, const RunContext& context) {
   Diagnosis& d = r.diagnosis;
   if (r.problem || d.verdict != Verdict::feasible) return success();
-  const Result<GluingAnswer> answer = check_gluing(surface, d.topology.topology, *d.bvh, d.pairs, context);
+  const Result<GluingAnswer> answer = check_gluing(surface, d.topology.topology, *d.bvh, *d.graph, context);
   if (!answer) return answer.error();
   const GluingAnswer& a = answer.value();
   if (a.verdict != GluingVerdict::conflict) return success();
@@ -184,19 +184,15 @@ Result<CloseLook> look_closely(const Surface& surface, const Inspection& r, cons
   const SurfaceTopology& topology = d.topology.topology;
   const OrdinarySize sized(surface, *d.bvh);
   CloseLook out;
-  std::map<Index, const std::vector<Index>*> piercing;
-  for (const PiercedEdge& e : d.pierced_edges) piercing[e.half_edge] = &e.faces;
   for (const Hinge& hinge : d.hinges) {
     if (auto stop = context.stop()) return *stop;
     out.edges.emplace_back();
-    for (const Index h : half_edges_around(topology, hinge.vertex)) {
-      const auto at = piercing.find(std::min(h, topology.twin[h]));
-      out.edges.back().push_back({half_edge_target(surface.F, h),
-                                  edge_levels(sized.surface(), topology, sized.bvh(), h,
-                                              at == piercing.end() ? std::vector<Index>{} : *at->second)});
-    }
+    for (const Index h : half_edges_around(topology, hinge.vertex))
+      out.edges.back().push_back(
+          {half_edge_target(surface.F, h),
+           edge_levels(sized.surface(), topology, sized.bvh(), h, piercing_faces(d.pierced_edges, topology, h))});
   }
-  Result<Curves> curves = trace_curves(surface, topology, *d.bvh, d.pairs, context);
+  Result<Curves> curves = trace_curves(surface, *d.bvh, *d.graph, context);
   if (!curves) return curves.error();
   out.curves = std::move(curves).value();
   return out;

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "kernels/parallel/parallel.h"
+#include "src/arrangement/intersection_graph.h"
 #include "src/certificates/winding_range.h"
 #include "src/covering/hinges.h"
 #include "src/exact/winding.h"
@@ -23,13 +24,15 @@ struct Traced {
   SurfaceTopology topology;
   TriangleBvh bvh;
   std::vector<FacePair> pairs;
+  IntersectionGraph graph;
   Curves curves;
   explicit Traced(Surface s)
       : surface(std::move(s)),
         topology(require_topology(surface).value()),
         bvh(surface.V, surface.F),
         pairs(find_self_intersections(surface.V, surface.F)),
-        curves(trace_curves(surface, topology, bvh, pairs, {}).value()) {}
+        graph(surface, topology, bvh, pairs),
+        curves(trace_curves(surface, bvh, graph, {}).value()) {}
 };
 
 Surface shifted(Surface s, double x, double y, double z) {
@@ -125,7 +128,8 @@ void check(const Traced& x) {
   }
   // Every pair that has a segment is in a curve; those along edges stand for several.
   EXPECT_LE(all.size(), x.pairs.size());
-  const WindingRange range = find_winding_range(s, x.topology, x.bvh, x.pairs, {}).value();
+  IntersectionGraph graph(s, x.topology, x.bvh, x.pairs);
+  const WindingRange range = find_winding_range(s, x.topology, x.bvh, graph, {}).value();
   // Pairs without a piece of curve touch in a point or lie on each other.
   EXPECT_GE(x.curves.touching_pairs + x.curves.coplanar_pairs, range.touching_pairs);
   if (x.topology.components.size() == 1 && !x.pairs.empty() && x.curves.coplanar_pairs == 0) {

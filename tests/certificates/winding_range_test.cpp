@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "src/arrangement/intersection_graph.h"
 #include "src/exact/winding.h"
 #include "tests/support/models.h"
 
@@ -15,8 +16,8 @@ namespace {
 WindingRange range_of(const Surface& s, const WindingRangeOptions& options = {}) {
   const SurfaceTopology topology = require_topology(s).value();
   const TriangleBvh bvh(s.V, s.F);
-  const auto range =
-      find_winding_range(s, topology, bvh, find_self_intersections(s.V, s.F), RunContext{}, options);
+  IntersectionGraph graph(s, topology, bvh, find_self_intersections(s.V, s.F));
+  const auto range = find_winding_range(s, topology, bvh, graph, RunContext{}, options);
   EXPECT_TRUE(range.ok());
   EXPECT_EQ(range.value().undecided_pairs, 0);
   EXPECT_EQ(range.value().witness.has_value(), range.value().min < 0);
@@ -176,8 +177,9 @@ TEST(Witness, StopsWhenAsked) {
   RunContext context;
   context.cancel = &cancel;
   const TriangleBvh bvh(s.V, s.F);
-  const auto range =
-      find_winding_range(s, require_topology(s).value(), bvh, find_self_intersections(s.V, s.F), context);
+  const SurfaceTopology topology = require_topology(s).value();
+  IntersectionGraph graph(s, topology, bvh, find_self_intersections(s.V, s.F));
+  const auto range = find_winding_range(s, topology, bvh, graph, context);
   ASSERT_FALSE(range.ok());
   EXPECT_EQ(range.error().code, ErrorCode::interrupted);
 }

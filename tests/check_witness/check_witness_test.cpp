@@ -327,7 +327,7 @@ TEST_F(CheckWitness, LayersThatCannotBeGlued) {
         pierced_at_hinge(test::elbow(110 + 20.0 * static_cast<double>(seed % 4), 8 + seed % 3), seed);
     const Diagnosis d = diagnosed(s);
     ASSERT_EQ(d.verdict, Verdict::feasible);
-    const GluingAnswer a = check_gluing(s, d.topology.topology, *d.bvh, d.pairs, {}).value();
+    const GluingAnswer a = check_gluing(s, d.topology.topology, *d.bvh, *d.graph, {}).value();
     ASSERT_EQ(a.verdict, GluingVerdict::conflict);
     const std::size_t n = a.crossings.size() + a.edges.size();
     EXPECT_EQ(answer(s, gluing_witness(a, n)), 0) << said_;
@@ -355,7 +355,7 @@ TEST_F(CheckWitness, LayersThatCannotBeGluedNearAHinge) {
   const Surface s = test::joined(one, other);
   const Diagnosis d = diagnosed(s);
   ASSERT_EQ(d.verdict, Verdict::feasible);
-  const GluingAnswer a = check_gluing(s, d.topology.topology, *d.bvh, d.pairs, {}).value();
+  const GluingAnswer a = check_gluing(s, d.topology.topology, *d.bvh, *d.graph, {}).value();
   ASSERT_EQ(a.verdict, GluingVerdict::conflict) << a.message;
   EXPECT_EQ(answer(s, gluing_witness(a, a.crossings.size() + a.edges.size())), 0) << said_;
 }

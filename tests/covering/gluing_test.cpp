@@ -144,7 +144,7 @@ TEST(GluingSearch, GivesUpWhenTold) {
 
 GluingAnswer answer_for(const Surface& s) {
   const Diagnosis d = diagnose(s, {}, {}).value();
-  return check_gluing(s, d.topology.topology, *d.bvh, d.pairs, {}).value();
+  return check_gluing(s, d.topology.topology, *d.bvh, *d.graph, {}).value();
 }
 
 TEST(Gluing, NothingContradictsSurfacesWithAMesh) {

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "kernels/predicates/predicates.h"
+#include "src/covering/pierced_edge.h"
 #include "src/covering/wound_edges.h"
 #include "tests/support/models.h"
 
@@ -120,17 +121,14 @@ TEST(Hinges, LevelsAlongEdgesEqualTheDefinition) {
   int looked = 0, changing = 0;
   for (const Surface& s : crossing_models()) {
     const Studied x(s);
-    std::map<Index, const std::vector<Index>*> piercing;
-    for (const PiercedEdge& e : x.pierced) piercing[e.half_edge] = &e.faces;
     std::vector<Index> edges;
     for (const PiercedEdge& e : x.pierced)
       if (edges.size() < 25) edges.push_back(e.half_edge);
     for (Index h = 0; h < 3 * s.F.rows() && edges.size() < 45; h += 17)
-      if (h < x.topology.twin[h] && !piercing.count(h)) edges.push_back(h);
+      if (h < x.topology.twin[h] && piercing_faces(x.pierced, x.topology, h).empty()) edges.push_back(h);
     for (const Index h : edges) {
-      const auto at = piercing.find(h);
-      const auto levels = edge_levels(x.surface, x.topology, x.bvh, h,
-                                      at == piercing.end() ? std::vector<Index>{} : *at->second);
+      const std::vector<Index>& piercing = piercing_faces(x.pierced, x.topology, h);
+      const auto levels = edge_levels(x.surface, x.topology, x.bvh, h, piercing);
       if (!levels) continue;
       std::set<int> seen;
       for (int i = 1; i < 20; ++i) {
@@ -143,8 +141,7 @@ TEST(Hinges, LevelsAlongEdgesEqualTheDefinition) {
       ++looked;
       changing += levels->size() > 1;
       // The other direction sees the same, reversed.
-      auto reversed = *edge_levels(x.surface, x.topology, x.bvh, x.topology.twin[h],
-                                   at == piercing.end() ? std::vector<Index>{} : *at->second);
+      auto reversed = *edge_levels(x.surface, x.topology, x.bvh, x.topology.twin[h], piercing);
       std::reverse(reversed.begin(), reversed.end());
       EXPECT_EQ(reversed, *levels);
     }

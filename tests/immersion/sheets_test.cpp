@@ -24,7 +24,7 @@ Result<Sheets> sheets_of(const Prepared& p) {
 
 GluingAnswer gluing_of(const Prepared& p) {
   const Diagnosis& d = p.diagnosis;
-  return check_gluing(p.surface, d.topology.topology, *d.bvh, d.pairs, {}).value();
+  return check_gluing(p.surface, d.topology.topology, *d.bvh, *d.graph, {}).value();
 }
 
 // As many copies as the winding number says, decided on its own; every gluing a partial bijection in
@@ -297,7 +297,7 @@ TEST(Sheets, LongConflictsAreNamedInFewWords) {
       one, test::transformed(one, Eigen::Matrix3d::Identity(), 1e-4 * Eigen::Vector3d(0.3, 0.7, -0.5)));
   const Diagnosis d = test::diagnosed(s);
   ASSERT_EQ(d.verdict, Verdict::feasible);
-  const GluingAnswer answer = check_gluing(s, d.topology.topology, *d.bvh, d.pairs, {}).value();
+  const GluingAnswer answer = check_gluing(s, d.topology.topology, *d.bvh, *d.graph, {}).value();
   ASSERT_EQ(answer.verdict, GluingVerdict::conflict) << answer.message;
   EXPECT_GT(answer.steps, 1'000'000);
   EXPECT_LE(answer.crossings.size() + answer.edges.size(), 20u);
