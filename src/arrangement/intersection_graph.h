@@ -41,9 +41,9 @@ class IntersectionGraph {
   enum class Kind { nothing, point, segment, coplanar };  // what two faces have in common
 
   struct Segment {
-    FacePair faces;                  // first < second
-    std::array<Meeting, 2> ends;     // on the first face, on the second
-    std::array<Simplex, 2> along{};  // the smallest simplices that contain the segment
+    FacePair faces;                     // first < second
+    std::array<Meeting, 2> ends;        // on the first face, on the second
+    std::array<Simplex, 2> along{};     // the smallest simplices that contain the segment
     std::array<Index, 2> node{-1, -1};  // first < second
     // Both faces pass through each other; otherwise it runs along an edge.
     bool plain() const { return along[0].dimension == 2 && along[1].dimension == 2; }
@@ -53,7 +53,7 @@ class IntersectionGraph {
   struct Cut {
     double near = 0, error = 0;
     std::optional<exact::Rational> exact;  // where it has been needed
-    int step = 0;              // of the winding number, on the way; 0 where a border cuts
+    int step = 0;                          // of the winding number, on the way; 0 where a border cuts
     bool plain = true;         // each third face crosses with its inside, and so do the segment's own two
     Index by = -1;             // the face that the place is computed from
     std::vector<Index> faces;  // third ones; empty where only the line of an edge crosses, in a face's plane
@@ -98,8 +98,8 @@ class IntersectionGraph {
   void cut_in_plane(const exact::Rays& rays, const Segment& segment, Index third, Cuts& out) const;
 
   std::vector<FacePair> pairs_;
-  std::vector<FacePair> partners_;  // both ways round, sorted
-  std::vector<Kind> kind_;          // per pair
+  std::vector<FacePair> partners_;    // both ways round, sorted
+  std::vector<Kind> kind_;            // per pair
   std::vector<Index> first_segment_;  // per pair: its own, or the next one
   std::vector<Segment> segments_;
   std::vector<Meeting> nodes_;

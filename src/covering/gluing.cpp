@@ -11,6 +11,7 @@
 #include "src/covering/gluing_search.h"
 #include "src/exact/exact.h"
 #include "src/exact/ordinary_size.h"
+#include "src/exact/wedges.h"
 
 namespace overtet {
 
@@ -70,16 +71,16 @@ class Checker {
       std::vector<Condition> some;
       for (const Condition& c : conditions_)
         if (std::all_of(c.regions.begin(), c.regions.end(),
-                        [&](Index r) { return r < 0 || sheets_[inner_[r]] <= most; }))
+                        [&](Index r) { return r < 0 || sheets_[cells_[r][1]] <= most; }))
           some.push_back(c);
       if (some.size() == tried) continue;
       tried = some.size();
       GluingSearch search = searching(std::move(some));
-      const GluingSearch::Answer answer = search.run(kMostSteps);
+      const SolverAnswer answer = search.run(kMostSteps);
       out.steps += search.steps();
       if (auto stop = context_.stop()) return *stop;
-      if (answer == GluingSearch::Answer::found) continue;
-      if (answer == GluingSearch::Answer::too_long) {
+      if (answer == SolverAnswer::found) continue;
+      if (answer == SolverAnswer::too_long) {
         if (const auto conflict = near_hinges(most, out.steps)) {
           out.verdict = GluingVerdict::conflict;
           name(fewer(*conflict, out.steps), out);
@@ -101,7 +102,7 @@ class Checker {
 
  private:
   GluingSearch searching(std::vector<Condition> conditions) const {
-    return GluingSearch(std::move(conditions), outer_, inner_, sheets_, context_);
+    return GluingSearch(std::move(conditions), cells_, sheets_, context_);
   }
 
   // Two sides of parts with a sector between them.
@@ -320,19 +321,10 @@ class Checker {
   }
 
   std::optional<int> in_front_of_both(const FaceCuts::Piece& piece) const {
-    const auto nf = rays_.unit_normal(piece.f), ng = rays_.unit_normal(piece.g);
-    const exact::Point start(Rational(1, 2) * (cuts_.place(piece.from) + cuts_.place(piece.to)));
-    for (int k = 0; k < 8; ++k) {
-      double d[3];
-      for (int i = 0; i < 3; ++i) d[i] = (1 + 0.5 * exact::scatter(k)) * nf[i] + ng[i];
-      const exact::Point direction(d);
-      if (exact::sign(dot(rays_.normal(piece.f), direction.x)) <= 0 ||
-          exact::sign(dot(rays_.normal(piece.g), direction.x)) <= 0)
-        continue;
-      const exact::RayCount ray = rays_.count(start, direction, nullptr, {piece.f, piece.g});
-      if (ray.status == exact::RayStatus::counted) return ray.winding;
-    }
-    return std::nullopt;
+    const Vec from = cuts_.place(piece.from), along = cuts_.place(piece.to) - from;
+    const Vec u = exact::cross(rays_.normal(piece.f), rays_.normal(piece.g));
+    const auto wedge = Wedges(rays_).in_front(piece.f, piece.g, u, from, along, 0, 1);
+    return wedge ? std::optional<int>(wedge->winding) : std::nullopt;
   }
 
   void find_conditions() {
@@ -347,22 +339,15 @@ class Checker {
       const EdgePiece& e = edge_pieces_[i];
       if (covered_.at(e.half_edge) < 1 && uncut(2 * i, 2)) region.join(e.left, e.right);
     }
-    outer_.assign(parts, -1);
-    inner_.assign(parts, -1);
-    for (Index p = 0; p < parts; ++p) {
-      outer_[region.root(p)] = shell_[2 * p];
-      inner_[region.root(p)] = shell_[2 * p + 1];
-    }
+    cells_.assign(parts, {-1, -1});
+    for (Index p = 0; p < parts; ++p) cells_[region.root(p)] = {shell_[2 * p], shell_[2 * p + 1]};
     // Names across cuts are unknown like gluings.
-    for (const Index shell : name_shells_) {
-      outer_.push_back(shell);
-      inner_.push_back(shell);
-    }
+    for (const Index shell : name_shells_) cells_.push_back({shell, shell});
     using Key = std::tuple<std::array<Index, 4>, std::array<Index, 4>, std::array<char, 4>, int>;
     std::set<Key> known;
     const auto add = [&](Condition& c, std::size_t sector, int sectors) {
       for (const Index r : c.regions)
-        if (r >= 0 && (left_out_[r] || sheets_[inner_[r]] > *std::rbegin(kSheets))) return;
+        if (r >= 0 && (left_out_[r] || sheets_[cells_[r][1]] > *std::rbegin(kSheets))) return;
       for (int k = 0; k < sectors; ++k)
         if (names_[sector + k] >= 0) {
           c.names[k] = parts + names_[sector + k];
@@ -385,7 +370,7 @@ class Checker {
                   b = half_edge_target(surface_.F, e.half_edge);
       c.edge = {std::min(a, b), std::max(a, b)};
       // One sheet outside fits whatever happens, where it may turn.
-      const bool idle = c.most > 0 && sheets_[outer_[c.regions[0]]] < 2;
+      const bool idle = c.most > 0 && sheets_[cells_[c.regions[0]][0]] < 2;
       if (!idle && (c.regions[0] != c.regions[1] || !uncut(2 * i, 2))) add(c, 2 * i, 2);
     }
   }
@@ -417,7 +402,7 @@ class Checker {
           for (std::size_t i = 0; i < conditions_.size(); ++i) {
             const auto& regions = conditions_[i].regions;
             if (std::all_of(regions.begin(), regions.end(),
-                            [&](Index r) { return r < 0 || sheets_[inner_[r]] <= most; }))
+                            [&](Index r) { return r < 0 || sheets_[cells_[r][1]] <= most; }))
               order.emplace_back((surface_.V.row(v) - Eigen::RowVector3d::Map(places[i].data())).norm(), i);
           }
           std::sort(order.begin(), order.end());
@@ -426,11 +411,11 @@ class Checker {
             for (std::size_t i = 0; i < std::min(size, order.size()); ++i)
               some.push_back(conditions_[order[i].second]);
             GluingSearch search = searching(std::move(some));
-            const GluingSearch::Answer answer = search.run(budget);
+            const SolverAnswer answer = search.run(budget);
             steps += search.steps();
             if (steps > end || context_.stop()) return std::nullopt;
-            if (answer == GluingSearch::Answer::none) return search.needed();
-            if (answer == GluingSearch::Answer::too_long || size >= order.size()) break;
+            if (answer == SolverAnswer::none) return search.needed();
+            if (answer == SolverAnswer::too_long || size >= order.size()) break;
           }
         }
       }
@@ -443,9 +428,9 @@ class Checker {
     std::int64_t most = kMostSteps;
     const auto still = [&](const std::vector<Condition>& some) -> std::optional<std::vector<Condition>> {
       GluingSearch search = searching(some);
-      const GluingSearch::Answer answer = search.run(std::min(most, end - steps));
+      const SolverAnswer answer = search.run(std::min(most, end - steps));
       steps += search.steps();
-      if (answer != GluingSearch::Answer::none) return std::nullopt;
+      if (answer != SolverAnswer::none) return std::nullopt;
       most = std::max(kMostStepsToDrop, kTimesToDrop * search.steps());
       return search.needed();
     };
@@ -471,7 +456,7 @@ class Checker {
         continue;
       }
       const FaceCuts::Piece& p = cuts_.pieces[c.piece];
-      out.crossings.push_back({{p.f, p.g}, sheets_[outer_[c.regions[0]]], place_of(c)});
+      out.crossings.push_back({{p.f, p.g}, sheets_[cells_[c.regions[0]][0]], place_of(c)});
     }
     std::sort(out.edges.begin(), out.edges.end());
     out.edges.erase(std::unique(out.edges.begin(), out.edges.end()), out.edges.end());
@@ -511,7 +496,7 @@ class Checker {
   std::vector<char> backwards_;               // per sector
   std::vector<Index> name_shells_;            // per change of names
   std::vector<int> sheets_;                   // per shell
-  std::vector<Index> outer_, inner_;          // per region, named by one of its parts: shells
+  std::vector<std::array<Index, 2>> cells_;   // per region, named by one of its parts: shells
   std::vector<Condition> conditions_;
 };
 

@@ -1,8 +1,9 @@
 #include "src/covering/gluing_search.h"
 
 #include <algorithm>
-#include <map>
+#include <limits>
 #include <numeric>
+#include <utility>
 
 namespace overtet {
 
@@ -19,30 +20,36 @@ int ending(const Way& way) {
   return n * (n + 1) / 2 - sum;
 }
 
+int inverse(const Way& way, int x) {
+  return static_cast<int>(std::find(way.begin(), way.end(), x) - way.begin());
+}
+
+// The name that layer x has on the other side of a sector.
+int across(const GluingCondition& c, const std::vector<const Way*>& ways, int sector, int x,
+           bool back = false) {
+  if (c.names[sector] < 0) return x;
+  const Way& way = *ways[c.names[sector]];
+  return back != (c.backwards[sector] != 0) ? inverse(way, x) : static_cast<int>(way[x]);
+}
+
 }  // namespace
 
 bool holds(const GluingCondition& c, const std::vector<const Way*>& ways) {
-  const auto inverse = [](const Way& way, int x) {
-    return static_cast<int>(std::find(way.begin(), way.end(), x) - way.begin());
-  };
-  const auto across = [&](int sector, int x, bool back = false) {
-    if (c.names[sector] < 0) return x;
-    const Way& way = *ways[c.names[sector]];
-    return back != (c.backwards[sector] != 0) ? inverse(way, x) : static_cast<int>(way[x]);
-  };
-  if (c.most < 0) {
-    const Way &fp = *ways[c.regions[0]], &gp = *ways[c.regions[1]], &fm = *ways[c.regions[2]],
-              &gm = *ways[c.regions[3]];
-    for (int k = 0; k < static_cast<int>(fp.size()); ++k)
-      if (across(3, fm[across(2, gp[across(0, k)], true)]) != gm[across(1, fp[k])]) return false;
-    return gm[across(1, ending(fp))] == across(3, ending(fm)) &&
-           across(3, fm[across(2, ending(gp), true)]) == ending(gm);
-  }
+  if (c.most >= 0) return turns_at(c, ways).has_value();
+  const auto go = [&](int sector, int x, bool back = false) { return across(c, ways, sector, x, back); };
+  const Way &fp = *ways[c.regions[0]], &gp = *ways[c.regions[1]], &fm = *ways[c.regions[2]],
+            &gm = *ways[c.regions[3]];
+  for (int k = 0; k < static_cast<int>(fp.size()); ++k)
+    if (go(3, fm[go(2, gp[go(0, k)], true)]) != gm[go(1, fp[k])]) return false;
+  return gm[go(1, ending(fp))] == go(3, ending(fm)) && go(3, fm[go(2, ending(gp), true)]) == ending(gm);
+}
+
+std::optional<int> turns_at(const GluingCondition& c, const std::vector<const Way*>& ways) {
   // The second part in the names of the first.
   const Way &l = *ways[c.regions[0]], &other = *ways[c.regions[1]];
   Way r(l.size());
   for (int k = 0; k < static_cast<int>(l.size()); ++k)
-    r[k] = static_cast<signed char>(across(1, other[across(0, k)], true));
+    r[k] = static_cast<signed char>(across(c, ways, 1, other[across(c, ways, 0, k)], true));
   unsigned passed = 0;
   int at = ending(l), turns = 0;
   const int end = ending(r);
@@ -50,18 +57,22 @@ bool holds(const GluingCondition& c, const std::vector<const Way*>& ways) {
     const int back = inverse(r, at);
     passed |= 1u << back;
     at = l[back];
-    if (++turns > c.most) return false;
+    if (++turns > c.most) return std::nullopt;
   }
   for (std::size_t k = 0; k < l.size(); ++k)
-    if (!(passed >> k & 1) && l[k] != r[k]) return false;
-  return true;
+    if (!(passed >> k & 1) && l[k] != r[k]) return std::nullopt;
+  return turns;
 }
 
-GluingSearch::GluingSearch(std::vector<GluingCondition> conditions, const std::vector<Index>& outer,
-                           const std::vector<Index>& inner, const std::vector<int>& sheets,
-                           const RunContext& context)
-    : conditions_(std::move(conditions)), outer_(outer), inner_(inner), sheets_(sheets), context_(context) {
-  const std::size_t n = outer.size();
+GluingSearch::GluingSearch(std::vector<GluingCondition> conditions,
+                           const std::vector<std::array<Index, 2>>& cells, const std::vector<int>& layers,
+                           const RunContext& context, Accept accept)
+    : conditions_(std::move(conditions)),
+      cells_(cells),
+      layers_(layers),
+      context_(context),
+      accept_(std::move(accept)) {
+  const std::size_t n = cells.size();
   of_.resize(n);
   ways_.resize(n);
   way_.assign(n, nullptr);
@@ -83,30 +94,35 @@ std::vector<GluingCondition> GluingSearch::needed() const {
   return out;
 }
 
-GluingSearch::Answer GluingSearch::run(std::int64_t most) {
+SolverAnswer GluingSearch::run(std::int64_t most) {
   for (std::size_t k = 0; k < conditions_.size(); ++k)
     if (is_known(conditions_[k]) && !holds(conditions_[k], way_)) {
       used_[k] = 1;
-      return Answer::none;
+      return SolverAnswer::none;
     }
-  // Independent parts one after the other.
+  // Independent parts one after the other, but for what must be accepted as a whole.
   std::vector<char> seen(of_.size(), 0);
   for (const Index seed : regions_) {
     if (way_[seed] || seen[seed]) continue;
     std::vector<Index> part{seed};
     seen[seed] = 1;
+    const auto add = [&](Index r) {
+      if (!way_[r] && !seen[r]) seen[r] = 1, part.push_back(r);
+    };
     for (std::size_t i = 0; i < part.size(); ++i)
-      for (const Index k : of_[part[i]])
-        conditions_[k].each([&](Index r) {
-          if (!way_[r] && !seen[r]) seen[r] = 1, part.push_back(r);
-        });
+      for (const Index k : of_[part[i]]) conditions_[k].each(add);
+    if (accept_)
+      for (const Index r : regions_) add(r);
     for (std::int64_t now = kFirstSteps;; now += now / 2) {
-      const Answer answer = attempt(part, std::min(now, most - steps_));
-      if (answer == Answer::found) break;
-      if (answer == Answer::none || steps_ >= most || context_.stop()) return answer;
+      std::fill(used_.begin(), used_.end(), 0);
+      chosen_ = 0;
+      end_ = steps_ + std::min(now, most - steps_);
+      const SolverAnswer answer = GluingSolver(*this, part).run(false);
+      if (answer == SolverAnswer::found) break;
+      if (answer == SolverAnswer::none || steps_ >= most || context_.stop()) return answer;
     }
   }
-  return Answer::found;
+  return SolverAnswer::found;
 }
 
 bool GluingSearch::is_known(const GluingCondition& c) const {
@@ -116,32 +132,11 @@ bool GluingSearch::is_known(const GluingCondition& c) const {
 }
 
 void GluingSearch::list_ways() {
-  std::map<Index, std::vector<Index>> of_shell;
-  for (const Index r : regions_) of_shell[outer_[r]].push_back(r), of_shell[inner_[r]].push_back(r);
-  std::vector<Index> order;
-  for (const auto& [shell, list] : of_shell) order.push_back(shell);
-  std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return sheets_[a] < sheets_[b]; });
-  std::map<Index, int> named;  // 1: along the tree
-  std::vector<char> first(outer_.size(), 0), sorted(outer_.size(), 0);
-  std::vector<Index> queue;
-  for (const Index s : order)
-    if (sheets_[s] <= 1) named[s] = 1, queue.push_back(s);
-  for (std::size_t head = 0, root = 0;;) {
-    for (; head < queue.size(); ++head)
-      for (const Index r : of_shell[queue[head]]) {
-        if (outer_[r] == queue[head] && named.try_emplace(inner_[r], 1).second)
-          first[r] = 1, queue.push_back(inner_[r]);
-        else if (inner_[r] == queue[head] && named.try_emplace(outer_[r], 1).second)
-          sorted[r] = 1, queue.push_back(outer_[r]);
-      }
-    while (root < order.size() && named.count(order[root])) ++root;
-    if (root == order.size()) break;
-    named[order[root]] = 1;
-    queue.push_back(order[root]);
-  }
-  for (const Index r : regions_) {
-    const int n = sheets_[outer_[r]];
-    if (outer_[r] == inner_[r]) {
+  const std::vector<Named> named = name_layers(regions_, cells_, layers_);
+  for (std::size_t i = 0; i < regions_.size(); ++i) {
+    const Index r = regions_[i];
+    const int n = layers_[cells_[r][0]];
+    if (cells_[r][0] == cells_[r][1]) {
       Way way(n);
       std::iota(way.begin(), way.end(), static_cast<signed char>(0));
       do ways_[r].push_back(way);
@@ -153,14 +148,14 @@ void GluingSearch::list_ways() {
       for (int c = 0; c <= n; ++c)
         if (c != ends) way.push_back(static_cast<signed char>(c));
       do ways_[r].push_back(way);
-      while (!first[r] && !sorted[r] && std::next_permutation(way.begin(), way.end()));
-      if (first[r]) break;
+      while (named[i] == Named::neither && std::next_permutation(way.begin(), way.end()));
+      if (named[i] == Named::back) break;
     }
     if (ways_[r].size() == 1) way_[r] = &ways_[r][0];
   }
 }
 
-std::vector<Index> GluingSearch::possible(Index r, Index& blame) {
+std::optional<std::vector<Index>> GluingSearch::possible(Index r, Index& blame) {
   std::vector<Index> out;
   steps_ += static_cast<std::int64_t>(ways_[r].size());
   for (std::size_t o = 0; o < ways_[r].size(); ++o) {
@@ -179,65 +174,15 @@ std::vector<Index> GluingSearch::possible(Index r, Index& blame) {
   return out;
 }
 
-GluingSearch::Answer GluingSearch::attempt(const std::vector<Index>& part, std::int64_t most) {
-  std::fill(used_.begin(), used_.end(), 0);
-  struct Level {
-    Index region;
-    std::vector<Index> ways;
-    std::size_t next = 0;
-  };
-  std::vector<Level> levels;
-  const std::size_t n = part.size();
-  std::map<Index, std::size_t> at;
-  for (std::size_t i = 0; i < n; ++i) at[part[i]] = i;
-  std::vector<std::vector<Index>> left(n);
-  std::vector<Index> blame(n, -1);
-  std::vector<char> stale(n, 1);
-  const auto spoil = [&](Index r) {
-    for (const Index k : of_[r])
-      conditions_[k].each([&](Index other) {
-        if (const auto it = at.find(other); it != at.end()) stale[it->second] = 1;
-      });
-  };
-  const std::int64_t end = steps_ + most;
-  std::int64_t chosen = 0;
-  const auto leave = [&](Answer answer) {
-    if (answer != Answer::found)
-      for (const Level& level : levels) way_[level.region] = nullptr;
-    return answer;
-  };
-  for (;;) {
-    std::size_t best = n;
-    double best_key = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      if (way_[part[i]]) continue;
-      if (stale[i]) left[i] = possible(part[i], blame[i]), stale[i] = 0;
-      double weight = 0;
-      for (const Index k : of_[part[i]]) weight += weight_[k];
-      const double key = left[i].size() <= 1 ? -1 : static_cast<double>(left[i].size()) / weight;
-      if (best == n || key < best_key || left[i].empty()) best = i, best_key = key;
-      if (left[i].empty()) break;
-    }
-    if (best == n) return Answer::found;
-    if (left[best].empty())
-      ++weight_[blame[best]];
-    else
-      levels.push_back({part[best], left[best]});
-    for (;;) {
-      if (levels.empty()) return Answer::none;
-      Level& level = levels.back();
-      if (way_[level.region]) spoil(level.region);
-      way_[level.region] = nullptr;
-      if (level.next < level.ways.size()) {
-        way_[level.region] = &ways_[level.region][level.ways[level.next++]];
-        spoil(level.region);
-        if (steps_ > end || (++chosen % 256 == 0 && context_.stop())) return leave(Answer::too_long);
-        break;
-      }
-      stale[at[level.region]] = 1;
-      levels.pop_back();
-    }
-  }
+// Fewer ways for the weight of its conditions come first.
+double GluingSearch::rank(Index r, std::size_t options) const {
+  if (options == 0) return 0;
+  if (options == 1) return std::numeric_limits<double>::min();
+  double weight = 0;
+  for (const Index k : of_[r]) weight += weight_[k];
+  return static_cast<double>(options) / weight;
 }
+
+bool GluingSearch::exhausted() { return steps_ > end_ || (++chosen_ % 256 == 0 && context_.stop()); }
 
 }  // namespace overtet

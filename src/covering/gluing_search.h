@@ -1,13 +1,17 @@
-// Private to the .cpp files of this room: gluings of sheets that satisfy conditions at curves and edges, by
-// exhaustive search. See gluing.h for what the conditions say.
+// Private to the .cpp files of this room: gluings of layers that satisfy conditions at curves and edges, or
+// at crossings and corners of a link polygon, by exhaustive search (gluing_solver.h). See gluing.h and link.h
+// for what the conditions say.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <vector>
 
 #include "overtet/run_context.h"
 #include "overtet/types.h"
+#include "src/covering/gluing_solver.h"
 
 namespace overtet {
 
@@ -43,48 +47,65 @@ using Way = std::vector<signed char>;
 // ways: of the regions and names that the condition speaks of.
 bool holds(const GluingCondition& c, const std::vector<const Way*>& ways);
 
-// All gluings of all regions that take part in some conditions.
+// At an edge: how often the layer that begins at one part turns, beyond what the surface shows, before it
+// ends at the other; none where that is more often than c.most, or others do not close after one turn.
+std::optional<int> turns_at(const GluingCondition& c, const std::vector<const Way*>& ways);
+
+// All gluings of all regions that take part in some conditions. A GluingProblem.
 class GluingSearch {
  public:
-  // outer, inner: the shell on each side of a region; sheets: of each shell.
-  GluingSearch(std::vector<GluingCondition> conditions, const std::vector<Index>& outer,
-               const std::vector<Index>& inner, const std::vector<int>& sheets, const RunContext& context);
+  using Accept = std::function<bool(const std::vector<const Way*>&)>;
 
-  enum class Answer { found, none, too_long };
+  // cells: of each region, in front (outside) and behind (inside); layers: of each cell, one more inside than
+  // outside. accept: what else must hold once all regions are glued; others are then tried, too. All but the
+  // conditions must outlive the search.
+  GluingSearch(std::vector<GluingCondition> conditions, const std::vector<std::array<Index, 2>>& cells,
+               const std::vector<int>& layers, const RunContext& context, Accept accept = nullptr);
+
+  // most: gluings of single regions looked at before the search gives up.
+  SolverAnswer run(std::int64_t most);
+
   std::int64_t steps() const { return steps_; }
   // Of `none`: the conditions that the search has needed, with their weights: a search for fewer begins
   // there.
   std::vector<GluingCondition> needed() const;
 
-  // most: gluings of single regions looked at before the search gives up.
-  Answer run(std::int64_t most);
+  // For the solver; see there.
+  bool is_open(Index r) const { return !way_[r]; }
+  std::optional<std::vector<Index>> possible(Index r, Index& blame);
+  bool list_options(Index) { return true; }  // they are listed
+  void choose(Index r, Index option) { way_[r] = &ways_[r][option]; }
+  void clear(Index r) { way_[r] = nullptr; }
+  double rank(Index r, std::size_t options) const;
+  template <class F>
+  void each_beside(Index r, F&& f) const {
+    for (const Index k : of_[r]) conditions_[k].each([&](Index other) { f(other, 0); });
+  }
+  template <class F>
+  void weigh(Index condition, F&& again) {
+    ++weight_[condition];
+    conditions_[condition].each(again);
+  }
+  bool accepts() const { return !accept_ || accept_(way_); }
+  bool exhausted();
 
  private:
   bool is_known(const GluingCondition& c) const;
-
-  // Sheets carry no names: across the regions of a spanning forest of the shells one way stands for all that
-  // differ by names.
   void list_ways();
 
-  // The ways of r that contradict nothing; blame: a condition that one of the others contradicts.
-  std::vector<Index> possible(Index r, Index& blame);
-
-  // Backtracking. What is tried next: the region with the fewest ways for the weight of its conditions, which
-  // grows with every dead end (dom/wdeg, Boussemart and others 2004), so that a second attempt begins where
-  // the first has failed.
-  Answer attempt(const std::vector<Index>& part, std::int64_t most);
-
   std::vector<GluingCondition> conditions_;
-  const std::vector<Index>&outer_, &inner_;
-  const std::vector<int>& sheets_;
+  const std::vector<std::array<Index, 2>>& cells_;
+  const std::vector<int>& layers_;
   const RunContext& context_;
+  const Accept accept_;
   std::vector<Index> regions_;
   std::vector<std::vector<Index>> of_;  // conditions of each region
   std::vector<std::vector<Way>> ways_;  // of each region
   std::vector<const Way*> way_;         // the one chosen
   std::vector<double> weight_;          // of each condition
   std::vector<char> used_;
-  std::int64_t steps_ = 0;
+  std::int64_t steps_ = 0, end_ = 0;  // looked at; when to give up
+  std::int64_t chosen_ = 0;
 };
 
 }  // namespace overtet

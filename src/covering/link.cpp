@@ -7,7 +7,9 @@
 #include <optional>
 #include <set>
 
+#include "kernels/core/union_find.h"
 #include "kernels/predicates/predicates.h"
+#include "src/covering/gluing_search.h"
 #include "src/exact/exact.h"
 
 namespace overtet {
@@ -18,7 +20,7 @@ using exact::Vec;
 
 // More layers, or a longer search, count as undecided. scripts/check_witness repeats the search.
 constexpr int kMostLayers = 6;
-constexpr std::int64_t kMostSteps = 200'000;
+constexpr std::int64_t kMostSteps = 2'000'000;
 
 // The link polygon as a plane graph on the sphere: corners first, then crossings.
 struct Graph {
@@ -165,194 +167,79 @@ bool count_layers(Graph& g, const std::vector<int>& near) {
   return *low >= 0 && *high <= kMostLayers;
 }
 
+// The search: pieces are regions, their left side is the outer one.
 class Search {
  public:
-  Search(const Graph& g, int B0, const std::vector<int>& least) : g_(g), B0_(B0), least_(least) {}
+  Search(const Graph& g, int B0, const std::vector<int>& least) : g_(g), B0_(B0) {
+    for (const auto& [right, left] : g.cell) cells_.push_back({left, right});
+    for (std::size_t node = 0; node < g.around.size(); ++node) {
+      const auto& halves = g.around[node];
+      GluingCondition c;
+      if (static_cast<int>(node) < g.corners) {
+        c.regions = {halves[0].piece, halves[1].piece, -1, -1};
+        c.most = least[node];
+      } else {
+        // Of the arc i that halves[0] leaves along, what lies left of the other one j, and the other way
+        // round; then what lies on the right. Seen from i, j goes to the left or to the right.
+        const bool to_left = halves[1].leaves;
+        const Index i_out = halves[0].piece, i_in = halves[2].piece;
+        const Index j_out = halves[to_left ? 1 : 3].piece, j_in = halves[to_left ? 3 : 1].piece;
+        if (to_left)
+          c.regions = {i_in, j_out, i_out, j_in};
+        else
+          c.regions = {i_out, j_in, i_in, j_out};
+      }
+      conditions_.push_back(c);
+    }
+  }
 
-  std::int64_t steps() const { return steps_; }
-
-  LinkVerdict run(std::vector<int>& turns) {
-    list_options();
-    order_pieces();
-    inner_of_.resize(g_.pieces.size());
-    outer_of_.resize(g_.pieces.size());
-    turns_.assign(g_.corners, 0);
-    const bool found = descend(0);
-    if (found) turns = turns_;
-    return found                 ? LinkVerdict::filled
-           : steps_ > kMostSteps ? LinkVerdict::undecided
-                                 : LinkVerdict::unfillable;
+  LinkAnswer run() const {
+    const RunContext context;
+    GluingSearch search(conditions_, cells_, g_.layers, context,
+                        [this](const std::vector<const Way*>& ways) { return is_disc(ways); });
+    const SolverAnswer found = search.run(kMostSteps);
+    LinkAnswer out;
+    out.steps = search.steps();
+    out.verdict = found == SolverAnswer::found  ? LinkVerdict::filled
+                  : found == SolverAnswer::none ? LinkVerdict::unfillable
+                                                : LinkVerdict::undecided;
+    return out;
   }
 
  private:
-  int inside(int piece) const { return g_.layers[g_.cell[piece][0]]; }
-  int outside(int piece) const { return g_.layers[g_.cell[piece][1]]; }
-
-  // Per piece, all ways to glue: the copy inside of every copy outside. Copies carry no names: across the
-  // pieces of a spanning forest of the cells one way stands for all that differ by names.
-  void list_options() {
-    const int n = static_cast<int>(g_.pieces.size()), cells = static_cast<int>(g_.layers.size());
-    options_.resize(n);
-    for (int k = 0; k < n; ++k) {
-      // All choices of the copy that ends, times all orders of the others.
-      for (int ends = 0; ends <= outside(k); ++ends) {
-        std::vector<int> way;
-        for (int c = 0; c <= outside(k); ++c)
-          if (c != ends) way.push_back(c);
-        do options_[k].push_back(way);
-        while (std::next_permutation(way.begin(), way.end()));
-      }
-    }
-    std::vector<int> order(cells);
-    std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return g_.layers[a] < g_.layers[b]; });
-    std::vector<char> named(cells, 0);
-    for (const int root : order) {
-      if (named[root]) continue;
-      named[root] = 1;
-      std::vector<int> queue{root};
-      for (std::size_t head = 0; head < queue.size(); ++head)
-        for (int k = 0; k < n; ++k) {
-          const auto [right, left] = g_.cell[k];
-          if (left == queue[head] && !named[right]) {
-            std::vector<int> way(outside(k));
-            std::iota(way.begin(), way.end(), 0);
-            options_[k] = {way};
-            named[right] = 1;
-            queue.push_back(right);
-          } else if (right == queue[head] && !named[left]) {
-            std::erase_if(options_[k],
-                          [](const auto& way) { return !std::is_sorted(way.begin(), way.end()); });
-            named[left] = 1;
-            queue.push_back(left);
-          }
-        }
-    }
+  // Whether the layers and the turns make as much as they must.
+  bool is_disc(const std::vector<const Way*>& ways) const {
+    int sum = 2 * closed_parts(ways);
+    for (int i = 0; i < g_.corners; ++i) sum += *turns_at(conditions_[i], ways);
+    return sum == B0_;
   }
 
-  // Nodes are completed one after the other, along the polygon.
-  void order_pieces() {
-    const int n = static_cast<int>(g_.pieces.size());
-    std::vector<char> taken(n, 0);
-    for (int step = 0; step < n; ++step) {
-      std::array<int, 3> best_key{};
-      int best = -1;
-      for (int k = 0; k < n; ++k) {
-        if (taken[k]) continue;
-        int open = 1000;
-        for (const int node : {g_.pieces[k].from, g_.pieces[k].to}) {
-          int others = 0;
-          for (const auto& h : g_.around[node]) others += h.piece != k && !taken[h.piece];
-          open = std::min(open, others);
-        }
-        const std::array<int, 3> key{options_[k].size() > 1, open, static_cast<int>(options_[k].size())};
-        if (best < 0 || key < best_key) best = k, best_key = key;
-      }
-      taken[best] = 1;
-      order_.push_back(best);
-      completes_.emplace_back();
-      for (const int node : std::set<int>{g_.pieces[best].from, g_.pieces[best].to}) {
-        const auto& halves = g_.around[node];
-        if (std::all_of(halves.begin(), halves.end(), [&](const auto& h) { return taken[h.piece]; }))
-          completes_.back().push_back(node);
-      }
-    }
-  }
-
-  bool descend(std::size_t level) {
-    if (level == order_.size()) {
-      return std::accumulate(turns_.begin(), turns_.end(), 2 * closed_parts()) == B0_;
-    }
-    const int piece = order_[level];
-    for (const std::vector<int>& way : options_[piece]) {
-      if (++steps_ > kMostSteps) return false;
-      inner_of_[piece] = way;
-      outer_of_[piece].assign(inside(piece), -1);
-      for (std::size_t c = 0; c < way.size(); ++c) outer_of_[piece][way[c]] = static_cast<int>(c);
-      bool fits = true;
-      for (const int node : completes_[level]) fits = fits && closes(node);
-      if (fits && descend(level + 1)) return true;
-    }
-    return false;
-  }
-
-  // Follows all copies around a node, counter-clockwise. Sector q lies between its halves q and q + 1.
-  bool closes(int node) {
-    const auto& halves = g_.around[node];
-    const int m = static_cast<int>(halves.size());
-    const auto cross_half = [&](int q, int copy) {  // from sector q over half q + 1
-      const Graph::Half& h = halves[(q + 1) % m];
-      return h.leaves ? outer_of_[h.piece][copy] : inner_of_[h.piece][copy];
-    };
-    std::uint64_t passed = 0;  // a bit for each sector and copy
-    const auto bit = [](int sector, int copy) { return std::uint64_t{1} << (8 * sector + copy); };
-    for (int q = 0; q < m; ++q) {
-      if (halves[q].leaves) continue;  // its left side is the outside: nothing begins there
-      const int piece = halves[q].piece;
-      int copy = 0;
-      while (outer_of_[piece][copy] >= 0) ++copy;
-      int sector = q, steps = 0;
-      for (;;) {
-        if (passed & bit(sector, copy)) return false;
-        passed |= bit(sector, copy);
-        const int next = cross_half(sector, copy);
-        sector = (sector + 1) % m;
-        if (next < 0) break;
-        copy = next;
-        ++steps;
-      }
-      const Graph::Half& end = halves[sector];
-      if (!end.leaves) return false;
-      if (node < g_.corners) {
-        turns_[node] = steps / m;
-        if (turns_[node] > least_[node]) return false;
-      } else if (g_.pieces[end.piece].arc != g_.pieces[piece].arc || steps != 1) {
-        return false;
-      }
-    }
-    for (int q = 0; q < m; ++q) {
-      const Graph::Half& h = halves[q];
-      const int copies = h.leaves ? outside(h.piece) : inside(h.piece);
-      for (int start = 0; start < copies; ++start) {
-        if (passed & bit(q, start)) continue;
-        int copy = start;
-        for (int step = 0; step < m && copy >= 0; ++step) copy = cross_half((q + step) % m, copy);
-        if (copy != start) return false;
-      }
-    }
-    return true;
-  }
-
-  int closed_parts() const {
+  // Layers that hang together and end nowhere.
+  int closed_parts(const std::vector<const Way*>& ways) const {
     std::vector<int> first(g_.layers.size() + 1, 0);
     std::partial_sum(g_.layers.begin(), g_.layers.end(), first.begin() + 1);
-    std::vector<int> up(first.back());
-    std::iota(up.begin(), up.end(), 0);
-    const auto root = [&](int x) {
-      while (up[x] != x) x = up[x] = up[up[x]];
-      return x;
-    };
-    const auto copy = [&](int cell, int c) { return first[cell] + c; };
-    for (std::size_t k = 0; k < g_.pieces.size(); ++k)
-      for (std::size_t c = 0; c < inner_of_[k].size(); ++c)
-        up[root(copy(g_.cell[k][1], static_cast<int>(c)))] = root(copy(g_.cell[k][0], inner_of_[k][c]));
-    std::set<int> all, bounded;
-    for (int x = 0; x < first.back(); ++x) all.insert(root(x));
-    for (std::size_t k = 0; k < g_.pieces.size(); ++k)
-      for (std::size_t c = 0; c < outer_of_[k].size(); ++c)
-        if (outer_of_[k][c] < 0) bounded.insert(root(copy(g_.cell[k][0], static_cast<int>(c))));
-    return static_cast<int>(all.size() - bounded.size());
+    UnionFind parts(first.back());
+    int closed = first.back();
+    std::vector<int> ending;
+    for (std::size_t k = 0; k < cells_.size(); ++k) {
+      const auto [outer, inner] = cells_[k];
+      const Way& way = *ways[k];
+      int end = g_.layers[inner] * (g_.layers[inner] - 1) / 2;  // the only one that no other goes on into
+      for (std::size_t c = 0; c < way.size(); ++c) {
+        closed -= parts.join(first[outer] + static_cast<int>(c), first[inner] + way[c]);
+        end -= way[c];
+      }
+      ending.push_back(first[inner] + end);
+    }
+    std::set<int> bounded;
+    for (const int x : ending) bounded.insert(parts.root(x));
+    return closed - static_cast<int>(bounded.size());
   }
 
   const Graph& g_;
   const int B0_;
-  const std::vector<int>& least_;
-  std::vector<std::vector<std::vector<int>>> options_;
-  std::vector<int> order_;
-  std::vector<std::vector<int>> completes_;  // per level, the nodes whose pieces are then all chosen
-  std::vector<std::vector<int>> inner_of_, outer_of_;  // chosen, per piece and copy
-  std::vector<int> turns_;
-  std::int64_t steps_ = 0;
+  std::vector<std::array<Index, 2>> cells_;  // per piece
+  std::vector<GluingCondition> conditions_;  // per node
 };
 
 }  // namespace
@@ -368,10 +255,11 @@ LinkAnswer fill_link(const Surface& surface, const SurfaceTopology& topology, co
   if (!hinge.B0) return out;
   std::optional<Graph> graph = Link(surface, topology, hinge.vertex).graph(hinge.crossings);
   if (!graph || !count_layers(*graph, near)) return out;
-  Search search(*graph, *hinge.B0, least);
-  out.verdict = search.run(out.turns);
-  out.steps = search.steps();
-  return out;
+  if (std::any_of(least.begin(), least.end(), [](int most) { return most < 0; })) {
+    out.verdict = LinkVerdict::unfillable;
+    return out;
+  }
+  return Search(*graph, *hinge.B0, least).run();
 }
 
 }  // namespace overtet

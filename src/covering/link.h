@@ -25,7 +25,6 @@ enum class LinkVerdict { filled, unfillable, undecided };
 
 struct LinkAnswer {
   LinkVerdict verdict = LinkVerdict::undecided;
-  std::vector<int> turns;  // of one way to fill it, per edge; empty unless filled
   std::int64_t steps = 0;  // of the search
 };
 

@@ -1,4 +1,4 @@
-// Private to the .cpp files of this room: winding numbers next to a line in which faces meet.
+// For .cpp files only: winding numbers next to a line in which faces meet.
 #pragma once
 
 #include <optional>

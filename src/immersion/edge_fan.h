@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "overtet/types.h"
+#include "src/covering/gluing_solver.h"
 #include "src/immersion/sheets.h"
 
 namespace overtet {
@@ -15,11 +16,6 @@ namespace overtet {
 struct Gluing {
   std::vector<int> back_of, front_of;
 };
-
-// Copies carry no names. Where one side's copies get theirs from a gluing, of all gluings that differ by a
-// relabelling of that side one remains: matched copies in the order of the other side, then those that end by
-// slot.
-enum class Named { neither, front, back };
 
 // The number of gluings of a region, in doubles since it grows like a factorial; 0 when there is none.
 double count_gluings(const Region& region, Named named);

@@ -5,8 +5,6 @@
 #include <limits>
 #include <numeric>
 
-#include "src/immersion/next_region.h"
-
 namespace overtet {
 
 namespace {
@@ -47,7 +45,9 @@ SheetSearch::SheetSearch(const std::vector<Region>& regions, const std::vector<I
 
 bool SheetSearch::solve() {
   const Index n = static_cast<Index>(regions_.size());
-  name_copies();
+  std::vector<Index> all(regions_.size());
+  std::iota(all.begin(), all.end(), 0);
+  named_ = name_layers(all, puzzle_.cells, winding_);
   options_.resize(n);
   listed_.assign(n, 1);
   known_.assign(n, {});
@@ -129,44 +129,9 @@ bool SheetSearch::solve() {
   return true;
 }
 
-// Along a spanning forest of the cells.
-void SheetSearch::name_copies() {
-  named_.assign(regions_.size(), Named::neither);
-  std::vector<std::vector<Index>> regions_of(winding_.size());
-  for (Index r = 0; r < static_cast<Index>(regions_.size()); ++r) {
-    if (puzzle_.cells[r][0] >= 0) regions_of[puzzle_.cells[r][0]].push_back(r);
-    if (puzzle_.cells[r][1] >= 0) regions_of[puzzle_.cells[r][1]].push_back(r);
-  }
-  std::vector<Index> order(winding_.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return winding_[a] < winding_[b]; });
-  std::vector<char> fixed(winding_.size(), 0);
-  std::vector<Index> queue;
-  for (const Index c : order)
-    if (winding_[c] <= 1) fixed[c] = 1, queue.push_back(c);
-  std::size_t next_root = 0, head = 0;
-  for (;;) {
-    while (head < queue.size()) {
-      const Index c = queue[head++];
-      for (const Index r : regions_of[c]) {
-        const bool here_is_front = puzzle_.cells[r][0] == c;
-        const Index other = here_is_front ? puzzle_.cells[r][1] : puzzle_.cells[r][0];
-        if (other < 0 || fixed[other] || other == c) continue;
-        fixed[other] = 1;
-        named_[r] = here_is_front ? Named::back : Named::front;
-        queue.push_back(other);
-      }
-    }
-    while (next_root < order.size() && fixed[order[next_root]]) ++next_root;
-    if (next_root == order.size()) return;
-    fixed[order[next_root]] = 1;
-    queue.push_back(order[next_root]);
-  }
-}
-
 // Options of r that no fan with all other regions chosen rejects. None, where r has no list and nothing
 // around it is known.
-std::optional<std::vector<Index>> SheetSearch::possible(Index r) {
+std::optional<std::vector<Index>> SheetSearch::possible(Index r, Index& blame) {
   std::vector<Index> candidates;
   if (listed_[r]) {
     candidates.resize(options_[r].size());
@@ -184,7 +149,7 @@ std::optional<std::vector<Index>> SheetSearch::possible(Index r) {
     for (const Index c : fans_of_[r]) {
       if (is_complete(puzzle_.fans[c]) && !satisfied(puzzle_.fans[c], chosen_, regions_)) {
         fits = false;
-        deepest_fan_ = blamed_ = c;
+        deepest_fan_ = blame = c;
         break;
       }
     }
@@ -196,10 +161,10 @@ std::optional<std::vector<Index>> SheetSearch::possible(Index r) {
       if (!is_complete(f.fan)) continue;
       const int turns = turns_at(f);
       fits = turns >= 0;
-      if (!fits) blamed_ = static_cast<Index>(puzzle_.fans.size()) + c;
+      if (!fits) blame = static_cast<Index>(puzzle_.fans.size()) + c;
       cost += (turns != f.given) + (turns > 0 && f.pierced ? kPiercedCost : 0);
     }
-    if (fits && fits_links(r)) costs.emplace_back(cost, o);
+    if (fits && fits_links(r, blame)) costs.emplace_back(cost, o);
   }
   looks_ += static_cast<std::int64_t>(candidates.size());
   chosen_[r] = nullptr;
@@ -220,10 +185,10 @@ bool SheetSearch::is_complete(const VertexLink& link) const {
 }
 
 // As far as all others at them are chosen.
-bool SheetSearch::fits_links(Index r) {
+bool SheetSearch::fits_links(Index r, Index& blame) const {
   for (const Index i : links_of_[r]) {
     if (!is_complete(puzzle_.links[i]) || makes_discs(puzzle_.links[i], chosen_, regions_)) continue;
-    blamed_ = static_cast<Index>(puzzle_.fans.size() + puzzle_.free_fans.size()) + i;
+    blame = static_cast<Index>(puzzle_.fans.size() + puzzle_.free_fans.size()) + i;
     return false;
   }
   return true;
@@ -358,7 +323,10 @@ int SheetSearch::turns_at(const FreeFan& f) const {
 
 // Lists all options of a region; false when there are too many.
 bool SheetSearch::list_options(Index r) {
-  if (count_gluings(regions_[r], named_[r]) > kMostOptions) return false;
+  if (count_gluings(regions_[r], named_[r]) > kMostOptions) {
+    cut_short_ = true;
+    return false;
+  }
   options_[r].clear();
   known_[r].clear();
   enumerate_gluings(regions_[r], named_[r], options_[r]);
@@ -376,132 +344,31 @@ bool SheetSearch::search(const std::vector<Index>& part) {
   const std::int64_t last = nodes_ + (all_listed ? most_nodes_ : kAttemptsMade * first);
   weight_.assign(puzzle_.fans.size() + puzzle_.free_fans.size(), 1);
   weight_.resize(weight_.size() + puzzle_.links.size(), 0);
-  for (std::int64_t most = first, round = 0;; most += most / 2, ++round) {
-    const Found found = attempt(part, std::min(most, last - nodes_), round > 0);
-    if (found == Found::yes) return true;
-    if (found == Found::no) return false;
+  by_weight_ = false;
+  for (std::int64_t most = first;; most += most / 2, by_weight_ = true) {
+    end_ = nodes_ + std::min(most, last - nodes_);
+    const SolverAnswer found = GluingSolver(*this, part).run(true);
+    if (found == SolverAnswer::found) return true;
+    if (found == SolverAnswer::none) return false;
     if (nodes_ < last && !worn_out() && !context_.stop()) continue;
     cut_short_ = true;
     return false;
   }
 }
 
-SheetSearch::Found SheetSearch::attempt(const std::vector<Index>& part, std::int64_t most, bool by_weight) {
-  struct Level {
-    Index region;
-    std::vector<Index> options;
-    std::size_t next = 0;
-  };
-  std::vector<Level> levels;
-  std::vector<std::optional<std::vector<Index>>> left(part.size());  // none: many
-  std::vector<Index> blame(part.size(), -1);
-  std::map<Index, std::size_t> at;
-  const auto look = [&](std::size_t i) {
-    blamed_ = -1;
-    left[i] = possible(part[i]);
-    blame[i] = blamed_;
-  };
-  for (std::size_t i = 0; i < part.size(); ++i) at[part[i]] = i, look(i);
-  const std::int64_t end = nodes_ + most;
-  // Options left; a region's share of dead ends makes them fewer.
-  const auto size = [&](std::size_t i) {
-    if (!left[i]) return std::numeric_limits<double>::max();
-    const double n = static_cast<double>(left[i]->size());
-    if (!by_weight || n < 2) return n;
-    double weight = 0;
-    for (const Index c : fans_of_[part[i]]) weight += weight_[c];
-    for (const Index c : free_fans_of_[part[i]]) weight += weight_[puzzle_.fans.size() + c];
-    for (const Index c : links_of_[part[i]])
-      weight += weight_[puzzle_.fans.size() + puzzle_.free_fans.size() + c];
-    return 1 + n / (1 + weight);
-  };
-  std::vector<int> touched(part.size(), 0);  // changes next to it
-  NextRegion open(part.size());
-  const auto rank = [&](std::size_t i) { open.set(i, size(i), touched[i]); };
-  for (std::size_t i = 0; i < part.size(); ++i) rank(i);
-  std::set<std::size_t> stale;  // open ones to be looked at again
-  const auto spoil_one = [&](Index r, int changes) {
-    const auto it = at.find(r);
-    if (it == at.end()) return;
-    touched[it->second] += changes;
-    if (!chosen_[r]) stale.insert(it->second);
-  };
-  const auto spoil = [&](Index r) {
-    for (const Index c : fans_of_[r])
-      for (const Index other : open_members_.at(c)) spoil_one(other, 0);
-    for (const Index c : free_fans_of_[r])
-      for (const auto& leaf : puzzle_.free_fans[c].fan.leaves) spoil_one(leaf.region, 1);
-    // A link rejects nothing before all but one are chosen.
-    for (const Index c : links_of_[r]) {
-      Index last = -1;
-      bool several = false;
-      for (const auto& arc : puzzle_.links[c].arcs) {
-        if (chosen_[arc.region] || arc.region == r || arc.region == last) continue;
-        several = several || last >= 0;
-        last = arc.region;
-      }
-      if (last >= 0 && !several) spoil_one(last, 0);
-    }
-  };
-  const auto weigh = [&](Index fan) {
-    ++weight_[fan];
-    if (!by_weight) return;
-    const auto again = [&](Index r) {
-      if (const auto it = at.find(r); it != at.end() && !chosen_[r]) rank(it->second);
-    };
-    const Index free = fan - static_cast<Index>(puzzle_.fans.size());
-    const Index link = free - static_cast<Index>(puzzle_.free_fans.size());
-    if (free < 0)
-      for (const Index r : open_members_.at(fan)) again(r);
-    else if (link < 0)
-      for (const auto& leaf : puzzle_.free_fans[free].fan.leaves) again(leaf.region);
-    else
-      for (const auto& arc : puzzle_.links[link].arcs) again(arc.region);
-  };
-  const auto give_up = [&] {
-    for (const Level& level : levels) chosen_[level.region] = nullptr;
-    return Found::too_long;
-  };
-  for (;;) {
-    // No further than to the first one without options.
-    for (auto it = stale.begin(); it != stale.end() && !(open.stuck() && open.next() < *it);) {
-      look(*it);
-      rank(*it);
-      it = stale.erase(it);
-    }
-    if (open.none()) return Found::yes;
-    const std::size_t best = open.next();
-    if (!left[best]) {
-      if (!list_options(part[best])) {
-        cut_short_ = true;
-        give_up();
-        return Found::no;
-      }
-      look(best);
-      rank(best);
-    }
-    if (!left[best]->empty()) {
-      levels.push_back({part[best], *left[best]});
-      open.take_out(best);
-    } else if (blame[best] >= 0) {
-      weigh(blame[best]);
-    }
-    // Take the next option of the deepest level that has one.
-    for (;;) {
-      if (levels.empty()) return Found::no;
-      Level& level = levels.back();
-      if (chosen_[level.region]) spoil(level.region);
-      chosen_[level.region] = nullptr;
-      if (level.next < level.options.size()) {
-        chosen_[level.region] = &options_[level.region][level.options[level.next++]];
-        spoil(level.region);
-        if (++nodes_ > end || worn_out() || (nodes_ % 256 == 0 && context_.stop())) return give_up();
-        break;
-      }
-      stale.insert(at[level.region]);
-      levels.pop_back();
-    }
-  }
+// Options left; a region's share of dead ends makes them fewer.
+double SheetSearch::rank(Index r, std::size_t options) const {
+  const double n = static_cast<double>(options);
+  if (!by_weight_ || n < 2) return n;
+  double weight = 0;
+  for (const Index c : fans_of_[r]) weight += weight_[c];
+  for (const Index c : free_fans_of_[r]) weight += weight_[puzzle_.fans.size() + c];
+  for (const Index c : links_of_[r]) weight += weight_[puzzle_.fans.size() + puzzle_.free_fans.size() + c];
+  return 1 + n / (1 + weight);
+}
+
+bool SheetSearch::exhausted() {
+  return ++nodes_ > end_ || worn_out() || (nodes_ % 256 == 0 && context_.stop());
 }
 
 std::set<std::pair<Index, Index>> SheetSearch::settle_free_fans() {
@@ -525,7 +392,8 @@ std::set<std::pair<Index, Index>> SheetSearch::settle_free_fans() {
         chosen_[r] = &option;
         const bool fits = std::all_of(fans_of_[r].begin(), fans_of_[r].end(),
                                       [&](Index c) { return satisfied(puzzle_.fans[c], chosen_, regions_); });
-        if (!fits || !fits_links(r)) continue;
+        Index blame = -1;
+        if (!fits || !fits_links(r, blame)) continue;
         if (const double there = cost(r); there < best) best = there, choice = &option;
       }
       chosen_[r] = choice;

@@ -1,5 +1,5 @@
-// The search for the gluings of all regions: backtracking on the region with the fewest gluings left, with
-// restarts where dead ends were met most.
+// The search for the gluings of all regions between the cells of an arrangement: what the solver
+// (src/covering/gluing_solver.h) must know about them, and restarts where dead ends were met most.
 #pragma once
 
 #include <array>
@@ -13,6 +13,7 @@
 
 #include "overtet/run_context.h"
 #include "overtet/types.h"
+#include "src/covering/gluing_solver.h"
 #include "src/immersion/edge_fan.h"
 #include "src/immersion/vertex_link.h"
 
@@ -65,22 +66,30 @@ class SheetSearch {
   Index deepest_fan() const { return deepest_fan_; }  // the fan that was in the way last; -1: none
   std::int64_t nodes() const { return nodes_; }
 
- private:
-  enum class Found { yes, no, too_long };
+  // For the solver; see there. Conditions: fans, then free fans, then links.
+  bool is_open(Index r) const { return !chosen_[r]; }
+  std::optional<std::vector<Index>> possible(Index r, Index& blame);
+  bool list_options(Index r);
+  void choose(Index r, Index option) { chosen_[r] = &options_[r][option]; }
+  void clear(Index r) { chosen_[r] = nullptr; }
+  double rank(Index r, std::size_t options) const;
+  template <class F>
+  void each_beside(Index r, F&& f) const;
+  template <class F>
+  void weigh(Index condition, F&& again);
+  bool accepts() const { return true; }
+  bool exhausted();
 
+ private:
   bool worn_out() const { return looks_ > kMostLooks; }
 
-  void name_copies();
-  std::optional<std::vector<Index>> possible(Index r);
   bool is_complete(const Fan& fan, Index open = -1) const;
   bool is_complete(const VertexLink& link) const;
-  bool fits_links(Index r);
+  bool fits_links(Index r, Index& blame) const;
   std::optional<std::vector<Index>> make_options(Index r);
   std::optional<std::vector<Index>> options_around(const Fan& fan, Index r, int turns);
   int turns_at(const FreeFan& f) const;
-  bool list_options(Index r);
   bool search(const std::vector<Index>& part);
-  Found attempt(const std::vector<Index>& part, std::int64_t most, bool by_weight);
 
   const std::vector<Region>& regions_;
   const std::vector<Index>& winding_;
@@ -99,9 +108,42 @@ class SheetSearch {
   std::map<Index, std::vector<Index>> open_members_;
   Index impossible_region_ = -1;
   Index deepest_fan_ = -1;
-  // The last one that rejected an option: fans, free fans, and links, in this order.
-  Index blamed_ = -1;
-  std::vector<double> weight_;  // dead ends at each of these
+  std::vector<double> weight_;  // dead ends at each condition
+  bool by_weight_ = false;      // ranks count them
+  std::int64_t end_ = 0;        // nodes at which the present attempt ends
 };
+
+template <class F>
+void SheetSearch::each_beside(Index r, F&& f) const {
+  for (const Index c : fans_of_[r])
+    for (const Index other : open_members_.at(c)) f(other, 0);
+  for (const Index c : free_fans_of_[r])
+    for (const auto& leaf : puzzle_.free_fans[c].fan.leaves) f(leaf.region, 1);
+  // A link rejects nothing before all but one are chosen.
+  for (const Index c : links_of_[r]) {
+    Index last = -1;
+    bool several = false;
+    for (const auto& arc : puzzle_.links[c].arcs) {
+      if (chosen_[arc.region] || arc.region == r || arc.region == last) continue;
+      several = several || last >= 0;
+      last = arc.region;
+    }
+    if (last >= 0 && !several) f(last, 0);
+  }
+}
+
+template <class F>
+void SheetSearch::weigh(Index condition, F&& again) {
+  ++weight_[condition];
+  if (!by_weight_) return;
+  const Index free = condition - static_cast<Index>(puzzle_.fans.size());
+  const Index link = free - static_cast<Index>(puzzle_.free_fans.size());
+  if (free < 0)
+    for (const Index r : open_members_.at(condition)) again(r);
+  else if (link < 0)
+    for (const auto& leaf : puzzle_.free_fans[free].fan.leaves) again(leaf.region);
+  else
+    for (const auto& arc : puzzle_.links[link].arcs) again(arc.region);
+}
 
 }  // namespace overtet

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "src/arrangement/curves.h"
+#include "src/arrangement/intersection_graph.h"
 #include "src/certificates/diagnose.h"
 #include "src/certificates/separated.h"
 #include "src/covering/gluing.h"
@@ -55,8 +56,8 @@ void expect_times(const std::array<std::string, 3>& got, const std::array<std::s
 TEST(Scale, SharpCrossingsCrashedAtLargeCoordinates) {
   for (const auto& [name, shape] : kShapes) {
     const Diagnosis one = diagnose(shape, {}, {}).value();
-    const GluingAnswer glued = check_gluing(shape, one.topology.topology, *one.bvh, one.pairs, {}).value();
-    const Curves traced = trace_curves(shape, one.topology.topology, *one.bvh, one.pairs, {}).value();
+    const GluingAnswer glued = check_gluing(shape, one.topology.topology, *one.bvh, *one.graph, {}).value();
+    const Curves traced = trace_curves(shape, *one.bvh, *one.graph, {}).value();
     for (const double factor : {0x1p-300, 0x1p-100, 0x1p-70, 0x1p70, 0x1p100, 0x1p170, 0x1p200, 0x1p300}) {
       SCOPED_TRACE(std::string(name) + " times " + std::to_string(std::ilogb(factor)));
       const Surface s = times(shape, factor);
@@ -78,10 +79,10 @@ TEST(Scale, SharpCrossingsCrashedAtLargeCoordinates) {
       }
       ASSERT_EQ(d.stack.has_value(), one.stack.has_value());
       if (d.stack) expect_times(d.stack->exact, one.stack->exact, factor);
-      const GluingAnswer g = check_gluing(s, d.topology.topology, *d.bvh, d.pairs, {}).value();
+      const GluingAnswer g = check_gluing(s, d.topology.topology, *d.bvh, *d.graph, {}).value();
       EXPECT_EQ(g.verdict, glued.verdict);
       EXPECT_EQ(g.conditions, glued.conditions);
-      const Curves curves = trace_curves(s, d.topology.topology, *d.bvh, d.pairs, {}).value();
+      const Curves curves = trace_curves(s, *d.bvh, *d.graph, {}).value();
       ASSERT_EQ(curves.curves.size(), traced.curves.size());
       EXPECT_DOUBLE_EQ(curves.length, traced.length * factor);
     }
@@ -108,7 +109,8 @@ TEST(Scale, EveryPartOfTheRoomDecidesAlikeAtAnySize) {
         EXPECT_EQ(hinges[i].B0, one.hinges[i].B0);
         EXPECT_EQ(hinges[i].covering, one.hinges[i].covering);
       }
-      const WindingRange range = find_winding_range(s, topology, bvh, one.pairs, {}).value();
+      IntersectionGraph graph(s, topology, bvh, one.pairs);
+      const WindingRange range = find_winding_range(s, topology, bvh, graph, {}).value();
       EXPECT_EQ(range.min, one.winding.min);
       EXPECT_EQ(range.max, one.winding.max);
       EXPECT_EQ(range.negative_at, one.winding.negative_at);
@@ -143,8 +145,8 @@ TEST(Scale, SmallPartsOfLargeSurfaces) {
       EXPECT_EQ(d.pairs, alone.pairs);
       EXPECT_EQ(d.winding.max, alone.winding.max);
       EXPECT_EQ(
-          trace_curves(s, d.topology.topology, *d.bvh, d.pairs, {}).value().curves.size(),
-          trace_curves(part, alone.topology.topology, *alone.bvh, alone.pairs, {}).value().curves.size());
+          trace_curves(s, *d.bvh, *d.graph, {}).value().curves.size(),
+          trace_curves(part, *alone.bvh, *alone.graph, {}).value().curves.size());
     }
   }
 }

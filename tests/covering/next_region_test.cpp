@@ -1,4 +1,4 @@
-#include "src/immersion/next_region.h"
+#include "src/covering/next_region.h"
 
 #include <gtest/gtest.h>
 
