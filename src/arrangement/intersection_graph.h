@@ -66,8 +66,8 @@ class IntersectionGraph {
     bool in_plane = false;    // it runs in the plane of one, at least
   };
 
-  // pairs: all intersecting pairs of the surface, sorted. pre: no face without area. A surface of extreme size
-  // is given as OrdinarySize makes it (src/exact/ordinary_size.h), here and to prepare.
+  // pairs: all intersecting pairs of the surface, sorted. pre: no face without area. A surface of extreme
+  // size is given as OrdinarySize makes it (src/exact/ordinary_size.h), here and to prepare.
   IntersectionGraph(const Surface& surface, const SurfaceTopology& topology, const TriangleBvh& bvh,
                     const std::vector<FacePair>& pairs);
 

@@ -106,8 +106,7 @@ class GluingSolver {
   };
 
   void rank(std::size_t i) {
-    next_.set(i,
-              left_[i] ? problem_.rank(regions_[i], left_[i]->size()) : std::numeric_limits<double>::max(),
+    next_.set(i, left_[i] ? problem_.rank(regions_[i], left_[i]->size()) : std::numeric_limits<double>::max(),
               touched_[i]);
   }
 

@@ -85,7 +85,8 @@ class OuterSide {
     };
     const Vec ca = across(c_), da = across(d_);
     const double lc = length(ca), ld = length(da);
-    const Rational wc(std::isfinite(weight / lc) ? weight / lc : 1.0), wd(std::isfinite(1 / ld) ? 1 / ld : 1.0);
+    const Rational wc(std::isfinite(weight / lc) ? weight / lc : 1.0),
+        wd(std::isfinite(1 / ld) ? 1 / ld : 1.0);
     Vec out = wc * ca + wd * da;
     if (side_ < 0) out = Rational(-1) * out;
     if (attempt > 0) out = out + (lean / Rational(ee)) * e_;

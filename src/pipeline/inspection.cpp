@@ -189,8 +189,8 @@ Result<CloseLook> look_closely(const Surface& surface, const Inspection& r, cons
     out.edges.emplace_back();
     for (const Index h : half_edges_around(topology, hinge.vertex))
       out.edges.back().push_back(
-          {half_edge_target(surface.F, h),
-           edge_levels(sized.surface(), topology, sized.bvh(), h, piercing_faces(d.pierced_edges, topology, h))});
+          {half_edge_target(surface.F, h), edge_levels(sized.surface(), topology, sized.bvh(), h,
+                                                       piercing_faces(d.pierced_edges, topology, h))});
   }
   Result<Curves> curves = trace_curves(surface, *d.bvh, *d.graph, context);
   if (!curves) return curves.error();

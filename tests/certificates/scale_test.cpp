@@ -144,9 +144,8 @@ TEST(Scale, SmallPartsOfLargeSurfaces) {
       EXPECT_EQ(d.verdict, Verdict::feasible) << d.message;
       EXPECT_EQ(d.pairs, alone.pairs);
       EXPECT_EQ(d.winding.max, alone.winding.max);
-      EXPECT_EQ(
-          trace_curves(s, *d.bvh, *d.graph, {}).value().curves.size(),
-          trace_curves(part, *alone.bvh, *alone.graph, {}).value().curves.size());
+      EXPECT_EQ(trace_curves(s, *d.bvh, *d.graph, {}).value().curves.size(),
+                trace_curves(part, *alone.bvh, *alone.graph, {}).value().curves.size());
     }
   }
 }
