@@ -5,12 +5,11 @@
 
 #include "kernels/laplacian/laplacian.h"
 #include "kernels/parallel/parallel.h"
+#include "kernels/parallel/tuning.h"
 
 namespace overtet {
 
 namespace {
-
-constexpr std::int64_t kGrain = 512;
 
 Eigen::Matrix3d best_rotation_by_svd(const Eigen::Matrix3d& S) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(S, Eigen::ComputeFullU | Eigen::ComputeFullV);
@@ -109,7 +108,7 @@ Arap::Arap(const VertexMatrix& W, const TriangleMatrix& F) : F_(F) {
 }
 
 void Arap::fit_rotations(const VertexMatrix& U) {
-  parallel_for(F_.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(F_.rows(), kMediumGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t f = begin; f < end; ++f) {
       Eigen::Matrix3d S = Eigen::Matrix3d::Zero();
       for (int k = 0; k < 3; ++k)
@@ -118,20 +117,21 @@ void Arap::fit_rotations(const VertexMatrix& U) {
       face_[f] = S;
     }
   });
-  parallel_for(static_cast<std::int64_t>(used_.size()), kGrain, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t i = begin; i < end; ++i) {
-      Eigen::Matrix3d S = Eigen::Matrix3d::Zero();
-      for (Index s = star_begin_[i]; s < star_begin_[i + 1]; ++s) S += face_[star_[s] / 3];
-      rotation_[used_[i]] = best_rotation(S);
-    }
-  });
+  parallel_for(static_cast<std::int64_t>(used_.size()), kMediumGrain,
+               [&](std::int64_t begin, std::int64_t end) {
+                 for (std::int64_t i = begin; i < end; ++i) {
+                   Eigen::Matrix3d S = Eigen::Matrix3d::Zero();
+                   for (Index s = star_begin_[i]; s < star_begin_[i + 1]; ++s) S += face_[star_[s] / 3];
+                   rotation_[used_[i]] = best_rotation(S);
+                 }
+               });
 }
 
 void Arap::gradient(const VertexMatrix& U, VertexMatrix& G) const {
   G.setZero(U.rows(), 3);
   // Per face: the sum over its edges c ((u_j - u_k) - mean R (w_j - w_k)), one row per corner.
   VertexMatrix corner(3 * F_.rows(), 3);
-  parallel_for(F_.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(F_.rows(), kMediumGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t f = begin; f < end; ++f) {
       const Index a = F_(f, 0), b = F_(f, 1), c = F_(f, 2);
       const Eigen::Matrix3d R = (rotation_[a] + rotation_[b] + rotation_[c]) / 3;
@@ -143,18 +143,19 @@ void Arap::gradient(const VertexMatrix& U, VertexMatrix& G) const {
       for (int k = 0; k < 3; ++k) corner.row(3 * f + k) = e[(k + 1) % 3] - e[(k + 2) % 3];
     }
   });
-  parallel_for(static_cast<std::int64_t>(used_.size()), kGrain, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t i = begin; i < end; ++i) {
-      Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
-      for (Index s = star_begin_[i]; s < star_begin_[i + 1]; ++s) sum += corner.row(star_[s]);
-      G.row(used_[i]) = sum;
-    }
-  });
+  parallel_for(static_cast<std::int64_t>(used_.size()), kMediumGrain,
+               [&](std::int64_t begin, std::int64_t end) {
+                 for (std::int64_t i = begin; i < end; ++i) {
+                   Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+                   for (Index s = star_begin_[i]; s < star_begin_[i + 1]; ++s) sum += corner.row(star_[s]);
+                   G.row(used_[i]) = sum;
+                 }
+               });
 }
 
 double Arap::energy(const VertexMatrix& U) const {
   return parallel_reduce(
-      F_.rows(), kGrain, 0.0,
+      F_.rows(), 2 * kMediumGrain, 0.0,
       [&](std::int64_t begin, std::int64_t end) {
         double sum = 0;
         for (std::int64_t f = begin; f < end; ++f) {

@@ -3,20 +3,17 @@
 #include <algorithm>
 #include <bit>
 
+#include "kernels/bvh/tuning.h"
+#include "kernels/parallel/tuning.h"
+
 namespace overtet {
 
 namespace {
 
 using bvh_detail::Lanes;
 
-constexpr std::int64_t kItemGrain = 8192;
-constexpr std::int64_t kSortGrain = 1 << 16;
-constexpr Index kSubtree = 4096;       // items; larger ranges are cut before threads take over
-constexpr Index kRadixSort = 1 << 14;  // records; shorter ranges are sorted by comparison
-constexpr std::size_t kTasks = 1024;   // enough to keep any number of cores busy to the end
-constexpr Index kFillBlock = 64;
-constexpr int kBits = 11;      // of a cell's number along each axis
-constexpr int kItemBits = 31;  // of an item's number
+constexpr int kBits = 11, kCells = 1 << kBits;  // of a cell's number along each axis
+constexpr int kItemBits = 31;                   // of an item's number
 
 // Where an item lies and which it is: the cell of its centre in a grid of 2^11 cells along the longest side
 // of a box, the bits of the three axes interleaved, above the item's number.
@@ -44,29 +41,28 @@ struct Span3 {
 
 // Sorts by the whole record. Blocks are counted and moved in their order: the same on any number of threads.
 void radix_sort(Record* records, Index n, RawVector<Record>& scratch) {
-  constexpr int kDigit = 11, kBuckets = 1 << kDigit;
   scratch.resize(n);
   const std::int64_t blocks = (n + kSortGrain - 1) / kSortGrain;
-  std::vector<Index> count(static_cast<std::size_t>(blocks) * kBuckets);
+  std::vector<Index> count(static_cast<std::size_t>(blocks) * kCells);
   Record *from = records, *to = scratch.data();
   // Items ascend already where codes are equal, and the sort is stable.
   for (int pass = 0; pass < 3; ++pass) {
-    const int shift = kItemBits + kDigit * pass;
-    const auto digit = [&](Record r) { return static_cast<std::size_t>(r >> shift & (kBuckets - 1)); };
+    const int shift = kItemBits + kBits * pass;
+    const auto digit = [&](Record r) { return static_cast<std::size_t>(r >> shift & (kCells - 1)); };
     std::fill(count.begin(), count.end(), 0);
     parallel_for(n, kSortGrain, [&](std::int64_t begin, std::int64_t end) {
-      Index* c = count.data() + begin / kSortGrain * kBuckets;
+      Index* c = count.data() + begin / kSortGrain * kCells;
       for (std::int64_t i = begin; i < end; ++i) ++c[digit(from[i])];
     });
     Index sum = 0;
-    for (int d = 0; d < kBuckets; ++d)
+    for (int d = 0; d < kCells; ++d)
       for (std::int64_t b = 0; b < blocks; ++b) {
-        const Index here = count[static_cast<std::size_t>(b) * kBuckets + d];
-        count[static_cast<std::size_t>(b) * kBuckets + d] = sum;
+        const Index here = count[static_cast<std::size_t>(b) * kCells + d];
+        count[static_cast<std::size_t>(b) * kCells + d] = sum;
         sum += here;
       }
     parallel_for(n, kSortGrain, [&](std::int64_t begin, std::int64_t end) {
-      Index* c = count.data() + begin / kSortGrain * kBuckets;
+      Index* c = count.data() + begin / kSortGrain * kCells;
       for (std::int64_t i = begin; i < end; ++i) to[c[digit(from[i])]++] = from[i];
     });
     std::swap(from, to);
@@ -96,7 +92,7 @@ struct BoxTree::Builder {
   void encode(Index begin, Index end) {
     const Index n = end - begin;
     const Span3 span = parallel_reduce(
-        n, kItemGrain, Span3(),
+        n, kLightGrain, Span3(),
         [&](std::int64_t b, std::int64_t e) {
           Span3 s;
           for (std::int64_t i = begin + b; i < begin + e; ++i) s.add(centre(item_of(record[i])).x);
@@ -108,17 +104,16 @@ struct BoxTree::Builder {
         });
     float extent = 0;
     for (int k = 0; k < 3; ++k) extent = std::max(extent, span.high[k] - span.low[k]);
-    constexpr int cells = 1 << kBits;
-    const float scale = cells / extent;
+    const float scale = kCells / extent;
     const bool usable = extent > 0 && std::isfinite(extent) && std::isfinite(scale);
-    parallel_for(n, kItemGrain, [&](std::int64_t b, std::int64_t e) {
+    parallel_for(n, kLightGrain, [&](std::int64_t b, std::int64_t e) {
       for (std::int64_t i = begin + b; i < begin + e; ++i) {
         const Index item = item_of(record[i]);
         const Centre c = centre(item);
         Record code = 0;
         for (int k = 0; k < 3 && usable; ++k) {
           const int cell = static_cast<int>((c.x[k] - span.low[k]) * scale);
-          code |= spread(static_cast<std::uint32_t>(std::clamp(cell, 0, cells - 1))) << (2 - k);
+          code |= spread(static_cast<std::uint32_t>(std::clamp(cell, 0, kCells - 1))) << (2 - k);
         }
         record[i] = code << kItemBits | static_cast<Record>(item);
       }
@@ -141,7 +136,7 @@ struct BoxTree::Builder {
   }
 
   void top(std::int32_t node, Index begin, Index end, int depth) {
-    if (end - begin <= kSubtree) {
+    if (end - begin <= kLightGrain) {
       tree.subtrees_.push_back({node, 0, 0, begin, end, depth});
       return;
     }
@@ -212,7 +207,7 @@ void BoxTree::build_from(Index n, const Fill& fill) {
   if (n == 0) return;
 
   Builder builder{*this, RawVector<FloatBox>(n), RawVector<Record>(n), {}};
-  parallel_for(n, kItemGrain, [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(n, kLightGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) {
       item_[i] = static_cast<Index>(i);
       builder.record[i] = static_cast<Record>(i);

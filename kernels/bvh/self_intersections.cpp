@@ -4,17 +4,15 @@
 #include <cmath>
 #include <limits>
 
+#include "kernels/bvh/tuning.h"
 #include "kernels/parallel/counts.h"
 #include "kernels/parallel/grouping.h"
+#include "kernels/parallel/tuning.h"
 #include "kernels/predicates/predicates.h"
 
 namespace overtet {
 
 namespace {
-
-constexpr std::int64_t kFaceGrain = 8192;
-constexpr std::int64_t kVertexGrain = 4096;
-constexpr int kMostFaces = 32;  // of a vertex that is looked at as a whole
 
 // For every vertex whether its faces, all around it, can be seen at once from some direction without covering
 // each other. Then no two of them intersect beyond what they share, and their pairs, which are nearly all
@@ -36,7 +34,7 @@ class FlatVertices {
         visit(f[2], Sector{f[0], f[1]});
       }
     });
-    parallel_for(vertices, kVertexGrain, [&](std::int64_t begin, std::int64_t end) {
+    parallel_for(vertices, kLightGrain, [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t v = begin; v < end; ++v) {
         // The points of the vertices to come lie anywhere in memory.
         if (const std::int64_t soon = v + 8; soon < end)
@@ -57,9 +55,9 @@ class FlatVertices {
 
   bool is_flat(Index v) const {
     const int n = static_cast<int>(start_[v + 1] - start_[v]);
-    if (n < 3 || n > kMostFaces) return false;
+    if (n < 3 || n > kMostSectors) return false;
     const Sector* ring = ring_.data() + start_[v];
-    double x[kMostFaces], y[kMostFaces], z[kMostFaces], size = 0;  // of `next`, seen from v
+    double x[kMostSectors], y[kMostSectors], z[kMostSectors], size = 0;  // of `next`, seen from v
     const double* at = points_ + 3 * std::int64_t{v};
     for (int i = 0; i < n; ++i) {
       const double* p = points_ + 3 * std::int64_t{ring[i].next};
@@ -70,7 +68,7 @@ class FlatVertices {
     }
     if (!(size > 1e-40 && size < 1e60)) return false;  // so that nothing below leaves the range of doubles
     // In closed rings every `after` is the `next` of one other face.
-    int following[kMostFaces];
+    int following[kMostSectors];
     std::uint32_t seen = 0;
     for (int i = 0; i < n; ++i) {
       std::uint32_t found = 0;
@@ -79,7 +77,7 @@ class FlatVertices {
       seen |= found;
       following[i] = __builtin_ctz(found);
     }
-    double nx[kMostFaces], ny[kMostFaces], nz[kMostFaces], sx = 0, sy = 0, sz = 0;
+    double nx[kMostSectors], ny[kMostSectors], nz[kMostSectors], sx = 0, sy = 0, sz = 0;
     for (int i = 0; i < n; ++i) {
       const int j = following[i];
       sx += nx[i] = y[i] * z[j] - z[i] * y[j];
@@ -105,7 +103,7 @@ class FlatVertices {
   // -1 when a point is too close to the line to tell.
   static int turns(int n, const int* following, const double* y, const double* z, double sy, double sz,
                    double size) {
-    double side[kMostFaces], nearest = HUGE_VAL;
+    double side[kMostSectors], nearest = HUGE_VAL;
     for (int i = 0; i < n; ++i) {
       side[i] = sz * y[i] - sy * z[i];
       nearest = std::min(nearest, std::fabs(side[i]));
@@ -174,7 +172,7 @@ std::vector<FacePair> find_self_intersections(const VertexMatrix& V, const Trian
   RawVector<Corners> corners(order.size());
   {
     const FlatVertices flat(V, F);
-    parallel_for(bvh.size(), kFaceGrain, [&](std::int64_t begin, std::int64_t end) {
+    parallel_for(bvh.size(), kLightGrain, [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t place = begin; place < end; ++place) {
         const Index* face = faces + 3 * std::int64_t{order[place]};
         for (int k = 0; k < 3; ++k)

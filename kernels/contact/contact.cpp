@@ -3,21 +3,15 @@
 #include <algorithm>
 #include <utility>
 
+#include "kernels/contact/tuning.h"
 #include "kernels/parallel/counts.h"
 #include "kernels/parallel/parallel.h"
+#include "kernels/parallel/tuning.h"
 #include "kernels/predicates/predicates.h"
 
 namespace overtet {
 
 namespace {
-
-constexpr std::int64_t kFaceGrain = 1024;
-constexpr std::int64_t kPairGrain = 256;
-// Part of the local mean edge a vertex may move before the remembered pairs are looked for again: between
-// these two, by how fast the last steps were.
-constexpr double kSkinLeast = 0.005, kSkinMost = 0.1;
-// Lengths may grow by this factor before that.
-constexpr double kSkinGrowth = 1.3;
 
 Box box_of_face(const VertexMatrix& X, const TriangleMatrix& F, Index f) {
   Box box;
@@ -131,7 +125,7 @@ double ContactMesh::reach_of(bool near, double rest, double h) const {
 bool ContactMesh::remembered(const VertexMatrix& X) const {
   if (list_X_.rows() != X.rows()) return false;
   return parallel_reduce(
-      static_cast<std::int64_t>(free_vertices_.size()), 4 * kFaceGrain, true,
+      static_cast<std::int64_t>(free_vertices_.size()), kLightGrain, true,
       [&](std::int64_t begin, std::int64_t end) {
         for (std::int64_t i = begin; i < end; ++i) {
           const Index v = free_vertices_[i];
@@ -146,7 +140,7 @@ bool ContactMesh::remembered(const VertexMatrix& X) const {
 
 template <class BoxOf>
 std::vector<IndexPair> ContactMesh::candidates(const BoxOf& box_of) {
-  parallel_for(static_cast<std::int64_t>(free_faces_.size()), kFaceGrain,
+  parallel_for(static_cast<std::int64_t>(free_faces_.size()), kLightGrain,
                [&](std::int64_t begin, std::int64_t end) {
                  for (std::int64_t i = begin; i < end; ++i) boxes_[i] = box_of(free_faces_[i]);
                });
@@ -215,7 +209,7 @@ void ContactMesh::remember(const VertexMatrix& X) {
     return std::max({list_skin_[F_(f, 0)], list_skin_[F_(f, 1)], list_skin_[F_(f, 2)]});
   };
   list_ = parallel_collect<Primitive>(
-      static_cast<std::int64_t>(pairs.size()), kPairGrain,
+      static_cast<std::int64_t>(pairs.size()), kMediumGrain,
       [&](std::int64_t begin, std::int64_t end, std::vector<Primitive>& out) {
         for (std::int64_t i = begin; i < end; ++i) {
           primitives(pairs[i], [&](PairKind kind, const std::array<Index, 4>& v) {
@@ -248,7 +242,7 @@ void ContactMesh::remember(const VertexMatrix& X) {
         }
       });
   list_faces_ = parallel_collect<IndexPair>(
-      static_cast<std::int64_t>(pairs.size()), kPairGrain,
+      static_cast<std::int64_t>(pairs.size()), kMediumGrain,
       [&](std::int64_t begin, std::int64_t end, std::vector<IndexPair>& out) {
         for (std::int64_t i = begin; i < end; ++i) {
           Box a = box_of_face(X, F_, pairs[i].a), b = box_of_face(X, F_, pairs[i].b);
@@ -263,7 +257,7 @@ std::vector<Contact> ContactMesh::find_contacts(const VertexMatrix& X) {
   if (!remembered(X)) remember(X);
   ++list_uses_;
   auto found = parallel_collect<Contact>(
-      static_cast<std::int64_t>(list_.size()), kPairGrain,
+      static_cast<std::int64_t>(list_.size()), kMediumGrain,
       [&](std::int64_t begin, std::int64_t end, std::vector<Contact>& out) {
         for (std::int64_t i = begin; i < end; ++i) {
           const Primitive& p = list_[i];
@@ -281,7 +275,7 @@ std::vector<Contact> ContactMesh::find_contacts(const VertexMatrix& X) {
 std::vector<IndexPair> ContactMesh::intersections(const VertexMatrix& X) {
   const std::vector<IndexPair> pairs = candidates([&](Index f) { return box_of_face(X, F_, f); });
   std::vector<IndexPair> found =
-      parallel_collect<IndexPair>(static_cast<std::int64_t>(pairs.size()), kPairGrain,
+      parallel_collect<IndexPair>(static_cast<std::int64_t>(pairs.size()), kMediumGrain,
                                   [&](std::int64_t begin, std::int64_t end, std::vector<IndexPair>& out) {
                                     for (std::int64_t i = begin; i < end; ++i) {
                                       const auto [f, g] = pairs[i];
@@ -312,13 +306,13 @@ std::vector<ContactMesh::Hit> ContactMesh::check_step(const VertexMatrix& X, con
   // A skin is convex: when both ends of the way lie in it, so does the way.
   if (h_.size() > 0 && remembered(X) && remembered(Y)) {
     std::vector<Hit> hits =
-        parallel_collect<Hit>(static_cast<std::int64_t>(list_.size()), kPairGrain,
+        parallel_collect<Hit>(static_cast<std::int64_t>(list_.size()), kMediumGrain,
                               [&](std::int64_t begin, std::int64_t end, std::vector<Hit>& out) {
                                 for (std::int64_t i = begin; i < end; ++i)
                                   check_primitive(list_[i].kind, list_[i].v, out);
                               });
     const std::vector<Hit> more =
-        parallel_collect<Hit>(static_cast<std::int64_t>(list_faces_.size()), kPairGrain,
+        parallel_collect<Hit>(static_cast<std::int64_t>(list_faces_.size()), kMediumGrain,
                               [&](std::int64_t begin, std::int64_t end, std::vector<Hit>& out) {
                                 for (std::int64_t i = begin; i < end; ++i) check_faces(list_faces_[i], out);
                               });
@@ -330,7 +324,7 @@ std::vector<ContactMesh::Hit> ContactMesh::check_step(const VertexMatrix& X, con
     box.include(box_of_face(Y, F_, f));
     return box;
   });
-  return parallel_collect<Hit>(static_cast<std::int64_t>(pairs.size()), kPairGrain,
+  return parallel_collect<Hit>(static_cast<std::int64_t>(pairs.size()), kMediumGrain,
                                [&](std::int64_t begin, std::int64_t end, std::vector<Hit>& out) {
                                  for (std::int64_t i = begin; i < end; ++i) {
                                    primitives(pairs[i], [&](PairKind kind, const std::array<Index, 4>& v) {

@@ -46,6 +46,8 @@ struct ContactRule {
   double ring_floor = 0.1;  // and at least this part of the mean edge (rest shapes may touch)
 };
 
+// One class, because pairs are remembered from one question to the next, with the lengths they were found
+// for.
 class ContactMesh {
  public:
   // X: positions; frozen vertices (free[v] == 0) keep them for good. rest: the positions at which one-ring

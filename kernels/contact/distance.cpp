@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "kernels/contact/tuning.h"
+
 namespace overtet {
 
 namespace {
@@ -93,8 +95,6 @@ Closest closest_points(PairKind kind, const std::array<Vector3d, 4>& x) {
 }
 
 double safe_step(PairKind kind, const std::array<Vector3d, 4>& x_in, const std::array<Vector3d, 4>& p_in) {
-  constexpr double kKeep = 0.1;  // of the present distance
-  constexpr int kSteps = 64;
   const Vector3d mean = 0.25 * (p_in[0] + p_in[1] + p_in[2] + p_in[3]);
   std::array<Vector3d, 4> x = x_in, p;
   for (int i = 0; i < 4; ++i) p[i] = p_in[i] - mean;
@@ -108,7 +108,7 @@ double safe_step(PairKind kind, const std::array<Vector3d, 4>& x_in, const std::
   if (approach <= (1 - kKeep) * start) return 1;
   const double keep = kKeep * start;
   double t = 0, distance = start;
-  for (int step = 0; step < kSteps; ++step) {
+  for (int step = 0; step < kAdvances; ++step) {
     const double room = distance - keep;
     if (room < 0.01 * keep) break;
     t += room / approach;

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "kernels/parallel/parallel.h"
+#include "kernels/parallel/tuning.h"
 
 namespace overtet {
 
@@ -24,9 +25,6 @@ using CellBase = CGAL::Triangulation_cell_base_with_info_3<Index, Kernel,
                                                            CGAL::Delaunay_triangulation_cell_base_3<Kernel>>;
 using Structure = CGAL::Triangulation_data_structure_3<VertexBase, CellBase>;
 using Triangulation = CGAL::Delaunay_triangulation_3<Kernel, Structure>;
-
-constexpr Index kPointsBetweenStops = 4096;
-constexpr std::int64_t kGrain = 1 << 14;
 
 }  // namespace
 
@@ -58,7 +56,7 @@ bool DelaunayBuilder::insert(const double* points, Index n, const std::function<
   Triangulation& triangulation = state_->triangulation;
   const Index before = this->points();
   for (Index i = 0; i < n; ++i) {
-    const bool go_on = i % kPointsBetweenStops != 0 || !stop();
+    const bool go_on = !stop();
     if (go_on) {
       const auto v = triangulation.insert(position[order[i]], state_->near);
       v->info() = before + static_cast<Index>(order[i]);
@@ -84,13 +82,14 @@ TetArrays DelaunayBuilder::tets() const {
   TetArrays out;
   out.tet.resize(cells.size());
   out.next.resize(cells.size());
-  parallel_for(static_cast<std::int64_t>(cells.size()), kGrain, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t t = begin; t < end; ++t)
-      for (int k = 0; k < 4; ++k) {
-        out.tet[t][k] = cells[t]->vertex(k)->info();
-        out.next[t][k] = cells[t]->neighbor(k)->info();
-      }
-  });
+  parallel_for(static_cast<std::int64_t>(cells.size()), kLightGrain,
+               [&](std::int64_t begin, std::int64_t end) {
+                 for (std::int64_t t = begin; t < end; ++t)
+                   for (int k = 0; k < 4; ++k) {
+                     out.tet[t][k] = cells[t]->vertex(k)->info();
+                     out.next[t][k] = cells[t]->neighbor(k)->info();
+                   }
+               });
   return out;
 }
 

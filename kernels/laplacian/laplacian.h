@@ -13,13 +13,11 @@
 #include <limits>
 #include <vector>
 
+#include "kernels/laplacian/tuning.h"
 #include "kernels/sparse/cholesky.h"
 #include "overtet/types.h"
 
 namespace overtet {
-
-// Relative to a triangle's longest edge squared: below it a triangle's area is rounding noise.
-inline constexpr double kAreaFloor = 1e-10;
 
 // Half cotangents of the three corners of every face: #F x 3, entry k belongs to the edge opposite to
 // corner k (the weight cot/2 that the face gives to that edge).

@@ -108,8 +108,7 @@ bool SparseCholesky::analyze(const SymmetricMatrix& A) {
   m.rows = -1;
   if (A.rows() != A.cols() || !A.isCompressed()) return false;
   if (A.rows() > 0) {
-    if (m.automatic)
-      m.common.method[0].ordering = A.rows() < CholeskyOptions::kMetisRows ? CHOLMOD_AMD : CHOLMOD_METIS;
+    if (m.automatic) m.common.method[0].ordering = A.rows() < kMetisRows ? CHOLMOD_AMD : CHOLMOD_METIS;
     cholmod_sparse s = view(A);
     m.L = cholmod_analyze(&s, &m.common);
     if (!m.L) return false;

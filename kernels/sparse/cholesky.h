@@ -15,6 +15,7 @@
 #include <Eigen/SparseCore>
 #include <memory>
 
+#include "kernels/sparse/tuning.h"
 #include "overtet/types.h"
 
 namespace overtet {
@@ -27,7 +28,6 @@ struct CholeskyOptions {
   // large ones metis pays even for a single factorisation (perf/README.md: at 416,000 rows 2.0 + 2.5 s
   // against 0.5 + 5.4 s, 199 against 272 MB). automatic: amd below kMetisRows rows, metis from there on.
   enum class Ordering { automatic, amd, metis, natural } ordering = Ordering::automatic;
-  static constexpr Eigen::Index kMetisRows = 200000;
   // simplicial: no BLAS, the better choice on surfaces (solves 1.8 times faster at 86k faces);
   // supernodal: dense blocks, for volume meshes; automatic: CHOLMOD chooses by the work estimate.
   enum class Method { simplicial, supernodal, automatic } method = Method::simplicial;

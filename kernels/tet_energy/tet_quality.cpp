@@ -6,17 +6,15 @@
 #include <vector>
 
 #include "kernels/parallel/parallel.h"
+#include "kernels/parallel/tuning.h"
 #include "kernels/predicates/predicates.h"
+#include "kernels/tet_energy/tuning.h"
 
 namespace overtet {
 
 namespace {
 
 using Eigen::Vector3d;
-
-// What an exactly positive tet gets when its computed volume is not above zero.
-constexpr double kThinnest = 1e-30;
-constexpr std::int64_t kGrain = 4096;  // tets
 
 }  // namespace
 
@@ -28,7 +26,7 @@ double min_dihedral_sine(const Vector3d& a, const Vector3d& b, const Vector3d& c
   const double size = ab.cwiseAbs().maxCoeff() * ac.cwiseAbs().maxCoeff() * ad.cwiseAbs().maxCoeff();
   if (!(det > 1e-14 * size && size > 1e-250)) {
     if (orient3d(a.data(), b.data(), c.data(), d.data()) <= 0) return 0;
-    if (!(det > 0)) return kThinnest;
+    if (!(det > 0)) return kThinnestSine;
   }
   // sin at an edge = det * length / (product of the two normals beside it), everything squared.
   const double qa = na.squaredNorm(), qb = nb.squaredNorm(), qc = nc.squaredNorm(), qd = nd.squaredNorm();
@@ -36,7 +34,7 @@ double min_dihedral_sine(const Vector3d& a, const Vector3d& b, const Vector3d& c
       std::min({ab.squaredNorm() / (qc * qd), ac.squaredNorm() / (qb * qd), bc.squaredNorm() / (qa * qd),
                 ad.squaredNorm() / (qb * qc), bd.squaredNorm() / (qa * qc), cd.squaredNorm() / (qa * qb)});
   const double sine = det * std::sqrt(least);
-  return sine > kThinnest ? std::min(sine, 1.0) : kThinnest;  // also when a face has no computed area
+  return sine > kThinnestSine ? std::min(sine, 1.0) : kThinnestSine;  // also when a face has no computed area
 }
 
 void dihedral_sines(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& d,
@@ -87,7 +85,7 @@ DihedralStatistics dihedral_statistics(const VertexMatrix& V, const TetMatrix& T
   if (s.tets == 0) return s;
   std::vector<double> smallest(T.rows());
   s.max = parallel_reduce(
-      T.rows(), kGrain, 0.0,
+      T.rows(), kLightGrain, 0.0,
       [&](std::int64_t begin, std::int64_t end) {
         double largest = 0;
         for (std::int64_t t = begin; t < end; ++t) {

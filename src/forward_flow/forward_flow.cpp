@@ -14,16 +14,13 @@
 #include "kernels/parallel/parallel.h"
 #include "kernels/predicates/predicates.h"
 #include "kernels/sparse/cholesky.h"
+#include "src/forward_flow/tuning.h"
 
 namespace overtet {
 
 namespace {
 
 constexpr const char* kStage = "forward_flow";
-// A vertex whose faces have no area still needs a positive mass; relative to the mean mass.
-constexpr double kMassFloor = 1e-10;
-// Between two full tests at most this many steps look only at the pairs known before.
-constexpr int kFullTestEvery = 4;
 
 using Pairs = std::vector<IndexPair>;
 
@@ -90,7 +87,7 @@ class FlowSystem {
       for (int k = 0; k < 3; ++k)
         if (local_[F_(f, k)] >= 0) mass[local_[F_(f, k)]] += third;
     }
-    mass = (mass / area_).cwiseMax(kMassFloor / X.rows());
+    mass = (mass / area_).cwiseMax(kAreaFloor / X.rows());
     VertexMatrix b(m, 3), y;
     std::copy(L_.valuePtr(), L_.valuePtr() + L_.nonZeros(), Q_.valuePtr());
     for (Index i = 0; i < m; ++i) {
@@ -407,7 +404,8 @@ class Flow {
     return false;
   }
 
-  // True: clean. False: the clusters that did not become clean have grown.
+  // True: clean. False: the clusters that did not become clean have grown. One function, because the clusters
+  // share each step: none can be taken by itself.
   Result<bool> attempt_regional(Regions& regions, const SymmetricMatrix& L, double root) {
     const std::size_t count = regions.clusters.size();
     Eigen::VectorXd delta = Eigen::VectorXd::Ones(vertices_);

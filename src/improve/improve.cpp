@@ -7,9 +7,11 @@
 #include <numeric>
 
 #include "kernels/parallel/parallel.h"
+#include "kernels/parallel/tuning.h"
 #include "src/improve/passes.h"
 #include "src/improve/refine.h"
 #include "src/improve/trade.h"
+#include "src/improve/tuning.h"
 #include "src/improve/worst_places.h"
 #include "src/mesh/local_operations.h"
 #include "src/mesh/partition.h"
@@ -18,51 +20,9 @@ namespace overtet {
 
 namespace {
 
-// Enough for many threads; every cut costs a little. A mesh that is cut at all is cut for the passes into so
-// many parts at least: what they cost is known only afterwards, and a thread that is done early finds another
-// one.
-constexpr int kMostParts = 256, kLeastParts = 8;
-// Where more than this share of the tets is bad, cuts leave too much undone: fewer, larger parts then.
-constexpr double kMostlyBad = 0.5;
-// In a round around cuts, and in a look: tets in a part, at least.
-constexpr std::int64_t kTetsAroundCuts = 3000, kTetsPerLook = 500;
-// Refinement makes do with two: where nothing is inside yet, tets reach from one side to the other, and what
-// more cuts leave in between costs more than they save.
-constexpr int kRefineParts = 2;
-// What lies around a place: so many layers of tets. Vertices with more tets than this do not spread it.
-constexpr int kLayers = 2;
-constexpr int kLargestStar = 80;
-// The next round around cuts is the last one when it has more than this part of the tets of the one before.
-constexpr double kShrinks = 0.75;
-// Tets below this part of the target angle are looked at once more after the cuts, with all that is around
-// them. Those within a factor of the very worst are after that, by all means, as long as that lifts it.
-constexpr double kLookAgain = 0.5;
-constexpr double kWorstOfAll = 1.5;
-constexpr double kLookPays = 1.05;
-constexpr int kMostLooks = 8;
-// Where too many tets are bad, some may fall to this part of what is good. Then those below another part are
-// raised again, as far as that makes hardly any others bad: that much more they cost.
-constexpr double kMayFallTo = 0.47, kRaiseTo = 0.63, kSteep = 5;
-// All this leaves about half of the bad tets. Where there are so many times too many, it is not tried; where
-// it leaves too many, nothing has been gained by giving some up: it is not done then.
-constexpr double kHopeless = 2.5;
-// Of the goal, so that rounding does not matter; and of the share, as percentiles are interpolated.
-constexpr double kABitMore = 1.0005, kABitLess = 0.998;
-// What a tet that has to be worked on costs, in tets that have not.
-constexpr int kBadTetWeight = 15, kBadToRefineWeight = 10;
-// Where what hangs together makes parts that differ by less than this factor nothing is cut.
-constexpr double kUneven = 1.3;
-// Cuts may be so far from where they give even parts. Of two parts one thread waits for the other.
-constexpr double kSlack = 0.15, kSlackForTwo = 0.03;
-// Refinement may at most multiply the tets by this.
-constexpr std::int64_t kRefinedGrowth = 5;
-// Below this smallest dihedral sine (3 degrees) vertices inside are taken out where that helps.
-constexpr double kLooseQuality = 0.05;
-constexpr std::int64_t kGrain = 4096;  // tets
-
 int parts_for(std::size_t tets, std::int64_t tets_per_part) {
   int parts = 1;
-  while (parts < kMostParts && static_cast<std::int64_t>(tets) / (2 * parts) >= tets_per_part) parts *= 2;
+  while (static_cast<std::int64_t>(tets) / (2 * parts) >= tets_per_part) parts *= 2;
   return parts;
 }
 
@@ -84,7 +44,8 @@ PartResult improve_part(MeshPart& part, Work what, std::span<const char> loose, 
   LocalOperations work(part.complex);
   part.mark_shared(work);
   if (what == Work::trade || what == Work::raise) {
-    result.traded = fewer_bad(work, price, what == Work::trade, context);
+    result.traded =
+        fewer_bad(work, price, what == Work::trade ? NewVertices::some : NewVertices::none, context);
     return result;
   }
   const auto here = [&](std::span<const char> all) {
@@ -100,7 +61,8 @@ PartResult improve_part(MeshPart& part, Work what, std::span<const char> loose, 
                             kRefinedGrowth * part.complex.tet_count() + 1000, context);
   }
   if (what != Work::refine)
-    result.passes = improve_passes(work, here(fresh), options, what == Work::look, seconds, context);
+    result.passes = improve_passes(work, here(fresh), options,
+                                   what == Work::look ? Care::by_all_means : Care::usual, seconds, context);
   return result;
 }
 
@@ -111,7 +73,7 @@ void mark(char& c) { std::atomic_ref(c).store(1, std::memory_order_relaxed); }
 template <class Bad>
 std::vector<char> corners_of(const TetMesh& mesh, Bad&& bad) {
   std::vector<char> marked(static_cast<std::size_t>(mesh.V.rows()), 0);
-  parallel_for(mesh.T.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(mesh.T.rows(), kLightGrain, [&](std::int64_t begin, std::int64_t end) {
     for (Index t = static_cast<Index>(begin); t < end; ++t)
       if (bad(t))
         for (int k = 0; k < 4; ++k) mark(marked[mesh.T(t, k)]);
@@ -122,7 +84,7 @@ std::vector<char> corners_of(const TetMesh& mesh, Bad&& bad) {
 // The tets within kLayers layers around some vertices.
 std::vector<Index> around(const TetMesh& mesh, std::vector<char> near) {
   std::vector<int> star(near.size(), 0);
-  parallel_for(mesh.T.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(mesh.T.rows(), kLightGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t t = begin; t < end; ++t)
       for (int k = 0; k < 4; ++k) std::atomic_ref(star[mesh.T(t, k)]).fetch_add(1, std::memory_order_relaxed);
   });
@@ -130,13 +92,13 @@ std::vector<Index> around(const TetMesh& mesh, std::vector<char> near) {
     if (star[v] > kLargestStar) near[v] = 0;
   std::vector<char> chosen(static_cast<std::size_t>(mesh.T.rows()), 0);
   for (int layer = 0; layer < kLayers; ++layer) {
-    parallel_for(mesh.T.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+    parallel_for(mesh.T.rows(), kLightGrain, [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t t = begin; t < end; ++t)
         for (int k = 0; k < 4; ++k)
           if (near[mesh.T(t, k)]) chosen[t] = 1;
     });
     if (layer + 1 < kLayers)
-      parallel_for(mesh.T.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+      parallel_for(mesh.T.rows(), kLightGrain, [&](std::int64_t begin, std::int64_t end) {
         for (std::int64_t t = begin; t < end; ++t)
           if (chosen[t])
             for (int k = 0; k < 4; ++k)
@@ -163,7 +125,7 @@ double sine_of(double degrees) { return std::sin(degrees * M_PI / 180); }
 
 double worst_quality(const TetMesh& mesh) {
   return parallel_reduce(
-      mesh.T.rows(), kGrain, 1.0,
+      mesh.T.rows(), kLightGrain, 1.0,
       [&](std::int64_t begin, std::int64_t end) {
         double worst = 1;
         for (Index t = static_cast<Index>(begin); t < end; ++t) worst = std::min(worst, quality(mesh, t));
@@ -174,7 +136,7 @@ double worst_quality(const TetMesh& mesh) {
 
 std::int64_t count_below(const TetMesh& mesh, double sine) {
   return parallel_reduce(
-      mesh.T.rows(), kGrain, std::int64_t{0},
+      mesh.T.rows(), kLightGrain, std::int64_t{0},
       [&](std::int64_t begin, std::int64_t end) {
         std::int64_t below = 0;
         for (Index t = static_cast<Index>(begin); t < end; ++t) below += quality(mesh, t) < sine;
@@ -200,12 +162,13 @@ std::vector<int> weights(const TetMesh& mesh, std::span<const Index> chosen, Wor
                          const ImproveOptions& options) {
   const double target = sine_of(options.target_degrees);
   std::vector<int> weight(chosen.size());
-  parallel_for(static_cast<std::int64_t>(chosen.size()), kGrain, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t i = begin; i < end; ++i)
-      weight[i] = what == Work::refine
-                      ? (radius_edge(mesh, chosen[i]) > options.radius_edge ? kBadToRefineWeight : 1)
-                      : (quality(mesh, chosen[i]) < target ? kBadTetWeight : 1);
-  });
+  parallel_for(
+      static_cast<std::int64_t>(chosen.size()), kLightGrain, [&](std::int64_t begin, std::int64_t end) {
+        for (std::int64_t i = begin; i < end; ++i)
+          weight[i] = what == Work::refine
+                          ? (radius_edge(mesh, chosen[i]) > options.radius_edge ? kBadToRefineWeight : 1)
+                          : (quality(mesh, chosen[i]) < target ? kBadTetWeight : 1);
+      });
   return weight;
 }
 
@@ -227,6 +190,190 @@ void add(ImproveResult& sum, const PartResult& part, std::size_t first_pass) {
     to.seconds += passes[i].seconds;
   }
 }
+
+// A mesh on its way: rounds over parts of it, then looks at what is left.
+class Improver {
+ public:
+  Improver(TetMesh& mesh, const ImproveOptions& options, const RunContext& context)
+      : mesh_(mesh),
+        options_(options),
+        context_(context),
+        begin_(RunContext::Clock::now()),
+        budget_(std::min(options.seconds, 0.5 * context.seconds_left())),
+        silent_(context) {
+    silent_.progress = nullptr;
+    // The mesh is to be checked and written in what time is left.
+    silent_.deadline =
+        std::min(context.deadline, begin_ + std::chrono::duration_cast<RunContext::Clock::duration>(
+                                                std::chrono::duration<double>(budget_)));
+  }
+
+  Result<ImproveResult> run() {
+    result_.before = dihedral_statistics(mesh_.V, mesh_.T);
+    loose_.assign(static_cast<std::size_t>(mesh_.V.rows()), 1);
+    std::fill(loose_.begin(), loose_.begin() + mesh_.surface_vertices, 0);
+
+    const bool cut = parts_for(static_cast<std::size_t>(mesh_.T.rows()), options_.tets_per_part) > 1;
+    if (cut && options_.radius_edge > 0) rounds(Work::refine);
+    rounds(cut ? Work::passes : Work::both);
+    look_at_worst(cut);
+    const bool traded = trade();
+    if (!traded && result_.lifted > 0) look_at(Work::passes, sine_of(kLookAgain * options_.target_degrees));
+    if (context_.cancel && context_.stop()) return *context_.stop();
+    result_.after = dihedral_statistics(mesh_.V, mesh_.T);
+    result_.seconds = since_begin();
+    return std::move(result_);
+  }
+
+ private:
+  double since_begin() const {
+    return std::chrono::duration<double>(RunContext::Clock::now() - begin_).count();
+  }
+
+  // One round: all parts at the same time, the heaviest first. Returns the vertices that several parts
+  // shared.
+  std::vector<char> round(Work what, const std::vector<int>& part_of, int count,
+                          std::span<const Index> chosen, std::span<const int> weight,
+                          std::span<const char> fresh) {
+    const std::size_t first_pass = result_.passes.size();
+    std::vector<MeshPart> parts = take_parts(mesh_, part_of, count);
+    std::vector<PartResult> results(parts.size());
+    const double seconds = std::max(0.0, budget_ - since_begin());
+    std::vector<std::pair<std::int64_t, int>> order(parts.size());
+    for (int p = 0; p < count; ++p) order[p].second = p;
+    for (std::size_t i = 0; i < chosen.size(); ++i) order[part_of[chosen[i]]].first -= weight[i];
+    std::sort(order.begin(), order.end());
+    parallel_tasks(count, [&](std::int64_t i) {
+      const int p = order[i].second;
+      results[p] = improve_part(parts[p], what, loose_, fresh, options_, price_, seconds, silent_);
+    });
+    for (const PartResult& part : results) add(result_, part, first_pass);
+    result_.rounds.push_back(count);
+    std::vector<char> times_shared(static_cast<std::size_t>(mesh_.V.rows()), 0);
+    for (const MeshPart& part : parts)
+      for (const Index v : part.shared)
+        if (char& times = times_shared[part.vertex[v]]; times < 2) ++times;
+    const std::vector<Index> number = put_parts(mesh_, part_of, parts);
+    std::vector<char> shared(static_cast<std::size_t>(mesh_.V.rows()), 0), still_loose(shared.size(), 0);
+    for (std::size_t v = 0; v < number.size(); ++v) {
+      if (number[v] < 0) continue;
+      shared[number[v]] = times_shared[v] > 1;
+      still_loose[number[v]] = loose_[v];
+    }
+    loose_ = std::move(still_loose);
+    return shared;
+  }
+
+  // How the mesh is cut for the first round.
+  struct Cuts {
+    int count = 1;
+    bool mostly_bad = false;
+  };
+  Cuts first_cuts(Work what, std::span<const int> weight) const {
+    Cuts cuts;
+    if (what == Work::refine) cuts.count = kRefineParts;
+    if (what == Work::passes) {
+      cuts.count = parts_for(weight.size(), options_.tets_per_part);
+      const auto bad = static_cast<double>(std::count(weight.begin(), weight.end(), kBadTetWeight));
+      cuts.mostly_bad = bad >= kMostlyBad * static_cast<double>(weight.size());
+      if (!cuts.mostly_bad) cuts.count = std::max(kLeastParts, cuts.count);
+    }
+    return cuts;
+  }
+
+  // All tets, then what is unfinished around the cuts, until nothing was cut.
+  void rounds(Work what) {
+    std::vector<Index> chosen(static_cast<std::size_t>(mesh_.T.rows()));
+    std::iota(chosen.begin(), chosen.end(), 0);
+    std::vector<int> weight = weights(mesh_, chosen, what, options_);
+    std::vector<char> fresh;
+    auto [count, mostly_bad] = first_cuts(what, weight);
+    const double slack = count == kRefineParts ? kSlackForTwo : kSlack;
+    while (!chosen.empty()) {
+      context_.report("improve",
+                      what == Work::refine        ? 0
+                      : result_.rounds.size() < 3 ? 0.3
+                                                  : 0.8,
+                      std::to_string(chosen.size()) + " tets in " + std::to_string(count) + " parts");
+      const bool last = count == 1;
+      // Nothing is cut any more, but in the passes what does not hang together is shared out.
+      if (last && what == Work::passes && !fresh.empty() && !mostly_bad) count = pieces_for(chosen.size());
+      Pieces pieces;
+      if (!fresh.empty()) pieces = in_pieces(mesh_, chosen, count, weight);
+      if (fresh.empty() || (!last && pieces.uneven > kUneven))
+        pieces.part_of = cut_apart(mesh_, chosen, count, slack, weight);
+      fresh = round(what, pieces.part_of, count, chosen, weight, fresh);
+      if (last || silent_.stop()) return;
+      const auto before = static_cast<double>(chosen.size());
+      chosen = around(mesh_, unfinished(mesh_, fresh, what, options_));
+      if (static_cast<double>(chosen.size()) > kShrinks * before) return;
+      // Fewer, so that the cuts are not where they were before.
+      count = std::min(count, parts_for(chosen.size(), kTetsAroundCuts)) / 2 + 1;
+      if (what == Work::refine || count == 2) count = 1;
+      weight = weights(mesh_, chosen, what, options_);
+    }
+  }
+
+  // Tets below this sine wherever they are, with all that is around them.
+  void look_at(Work what, double sine) {
+    const std::vector<Index> chosen =
+        around(mesh_, corners_of(mesh_, [&](Index t) { return quality(mesh_, t) < sine; }));
+    const int count = pieces_for(chosen.size());
+    if (chosen.empty() || silent_.stop()) return;
+    const std::vector<int> weight = weights(mesh_, chosen, what, options_);
+    round(what, in_pieces(mesh_, chosen, count, weight).part_of, count, chosen, weight, {});
+  }
+
+  // After rounds, in which the mesh may have been cut.
+  void look_at_worst(bool was_cut) {
+    if (was_cut) look_at(Work::passes, sine_of(kLookAgain * options_.target_degrees));
+    double worst = worst_quality(mesh_);
+    const double target = sine_of(options_.target_degrees);
+    for (int look = 0; look < kMostLooks && worst < target; ++look) {
+      look_at(Work::look, std::min(target, kWorstOfAll * worst));
+      const double before = worst;
+      worst = worst_quality(mesh_);
+      if (!(worst > kLookPays * before)) break;
+    }
+    if (!silent_.stop()) result_.lifted = lift_worst(mesh_, target, silent_);
+    // Lifting has numbered vertices anew, and only refinement asks.
+    loose_.assign(static_cast<std::size_t>(mesh_.V.rows()), 0);
+  }
+
+  // Too many bad ones: fewer, be they worse. What is good enough for the target is good. Returns whether
+  // there are few enough now; the mesh is as it was where there are not.
+  bool trade() {
+    const double good = sine_of(std::min(options_.good_degrees, options_.target_degrees));
+    const auto times_too_many = [&] {
+      return static_cast<double>(count_below(mesh_, good)) /
+             (kABitLess * options_.bad_share * static_cast<double>(mesh_.T.rows()));
+    };
+    const double too_many = times_too_many();
+    if (!(too_many > 1 && too_many < kHopeless) || silent_.stop()) return false;
+    const TetMesh before = mesh_;
+    price_.goal = kABitMore * good;
+    price_.low = kMayFallTo * good;
+    look_at(Work::trade, price_.goal);
+    price_.low = kRaiseTo * good;
+    price_.steep = kSteep;
+    look_at(Work::raise, price_.goal);
+    if (times_too_many() <= 1) return true;
+    mesh_ = before;
+    loose_.assign(static_cast<std::size_t>(mesh_.V.rows()), 0);
+    result_.traded = 0;
+    return false;
+  }
+
+  TetMesh& mesh_;
+  const ImproveOptions& options_;
+  const RunContext& context_;
+  const RunContext::Clock::time_point begin_;
+  const double budget_;  // seconds
+  RunContext silent_;    // without progress, and with this stage's deadline
+  ImproveResult result_;
+  std::vector<char> loose_;       // vertices of the inside, as given
+  LocalOperations::Price price_;  // where fewer tets are to be bad
+};
 
 }  // namespace
 
@@ -252,150 +399,7 @@ Status ImproveOptions::validate() const {
 Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, const RunContext& context) {
   if (auto status = options.validate(); !status.ok()) return status.error();
   if (auto error = context.stop()) return *error;
-  const auto begin = RunContext::Clock::now();
-  const auto since_begin = [&] {
-    return std::chrono::duration<double>(RunContext::Clock::now() - begin).count();
-  };
-  const double budget = std::min(options.seconds, 0.5 * context.seconds_left());
-  RunContext silent = context;
-  silent.progress = nullptr;
-  // The mesh is to be checked and written in what time is left.
-  silent.deadline = std::min(
-      context.deadline,
-      begin + std::chrono::duration_cast<RunContext::Clock::duration>(std::chrono::duration<double>(budget)));
-
-  ImproveResult result;
-  result.before = dihedral_statistics(mesh.V, mesh.T);
-  std::vector<char> loose(static_cast<std::size_t>(mesh.V.rows()), 1);  // the inside's, as given
-  std::fill(loose.begin(), loose.begin() + mesh.surface_vertices, 0);
-
-  LocalOperations::Price price;  // where fewer tets are to be bad
-  // One round: all parts at the same time, the heaviest first. Returns the vertices that several parts
-  // shared.
-  const auto round = [&](Work what, const std::vector<int>& part_of, int count, std::span<const Index> chosen,
-                         std::span<const int> weight, std::span<const char> fresh) {
-    const std::size_t first_pass = result.passes.size();
-    std::vector<MeshPart> parts = take_parts(mesh, part_of, count);
-    std::vector<PartResult> results(parts.size());
-    const double seconds = std::max(0.0, budget - since_begin());
-    std::vector<std::pair<std::int64_t, int>> order(parts.size());
-    for (int p = 0; p < count; ++p) order[p].second = p;
-    for (std::size_t i = 0; i < chosen.size(); ++i) order[part_of[chosen[i]]].first -= weight[i];
-    std::sort(order.begin(), order.end());
-    parallel_tasks(count, [&](std::int64_t i) {
-      const int p = order[i].second;
-      results[p] = improve_part(parts[p], what, loose, fresh, options, price, seconds, silent);
-    });
-    for (const PartResult& part : results) add(result, part, first_pass);
-    result.rounds.push_back(count);
-    std::vector<char> times_shared(static_cast<std::size_t>(mesh.V.rows()), 0);
-    for (const MeshPart& part : parts)
-      for (const Index v : part.shared)
-        if (char& times = times_shared[part.vertex[v]]; times < 2) ++times;
-    const std::vector<Index> number = put_parts(mesh, part_of, parts);
-    std::vector<char> shared(static_cast<std::size_t>(mesh.V.rows()), 0), still_loose(shared.size(), 0);
-    for (std::size_t v = 0; v < number.size(); ++v) {
-      if (number[v] < 0) continue;
-      shared[number[v]] = times_shared[v] > 1;
-      still_loose[number[v]] = loose[v];
-    }
-    loose = std::move(still_loose);
-    return shared;
-  };
-  // All tets, then what is unfinished around the cuts, until nothing was cut.
-  const auto rounds = [&](Work what) {
-    std::vector<Index> chosen(static_cast<std::size_t>(mesh.T.rows()));
-    std::iota(chosen.begin(), chosen.end(), 0);
-    std::vector<int> weight = weights(mesh, chosen, what, options);
-    std::vector<char> fresh;
-    bool mostly_bad = false;
-    int count = 1;
-    if (what == Work::refine) count = kRefineParts;
-    if (what == Work::passes) {
-      count = parts_for(chosen.size(), options.tets_per_part);
-      const auto bad = static_cast<double>(std::count(weight.begin(), weight.end(), kBadTetWeight));
-      mostly_bad = bad >= kMostlyBad * static_cast<double>(chosen.size());
-      if (!mostly_bad) count = std::max(kLeastParts, count);
-    }
-    const double slack = count == kRefineParts ? kSlackForTwo : kSlack;
-    while (!chosen.empty()) {
-      context.report("improve",
-                     what == Work::refine       ? 0
-                     : result.rounds.size() < 3 ? 0.3
-                                                : 0.8,
-                     std::to_string(chosen.size()) + " tets in " + std::to_string(count) + " parts");
-      const bool last = count == 1;
-      // Nothing is cut any more, but in the passes what does not hang together is shared out.
-      if (last && what == Work::passes && !fresh.empty() && !mostly_bad) count = pieces_for(chosen.size());
-      Pieces pieces;
-      if (!fresh.empty()) pieces = in_pieces(mesh, chosen, count, weight);
-      if (fresh.empty() || (!last && pieces.uneven > kUneven))
-        pieces.part_of = cut_apart(mesh, chosen, count, slack, weight);
-      fresh = round(what, pieces.part_of, count, chosen, weight, fresh);
-      if (last || silent.stop()) return;
-      const auto before = static_cast<double>(chosen.size());
-      chosen = around(mesh, unfinished(mesh, fresh, what, options));
-      if (static_cast<double>(chosen.size()) > kShrinks * before) return;
-      // Fewer, so that the cuts are not where they were before.
-      count = std::min(count, parts_for(chosen.size(), kTetsAroundCuts)) / 2 + 1;
-      if (what == Work::refine || count == 2) count = 1;
-      weight = weights(mesh, chosen, what, options);
-    }
-  };
-  const bool cut = parts_for(static_cast<std::size_t>(mesh.T.rows()), options.tets_per_part) > 1;
-  if (cut && options.radius_edge > 0) rounds(Work::refine);
-  rounds(cut ? Work::passes : Work::both);
-
-  // Bad tets wherever they are, with all that is around them.
-  const auto look_at = [&](Work what, double sine) {
-    const std::vector<Index> chosen =
-        around(mesh, corners_of(mesh, [&](Index t) { return quality(mesh, t) < sine; }));
-    const int count = pieces_for(chosen.size());
-    if (chosen.empty() || silent.stop()) return;
-    const std::vector<int> weight = weights(mesh, chosen, what, options);
-    round(what, in_pieces(mesh, chosen, count, weight).part_of, count, chosen, weight, {});
-  };
-  if (cut) look_at(Work::passes, sine_of(kLookAgain * options.target_degrees));
-  double worst = worst_quality(mesh);
-  const double target = sine_of(options.target_degrees);
-  for (int look = 0; look < kMostLooks && worst < target; ++look) {
-    look_at(Work::look, std::min(target, kWorstOfAll * worst));
-    const double before = worst;
-    worst = worst_quality(mesh);
-    if (!(worst > kLookPays * before)) break;
-  }
-  if (!silent.stop()) result.lifted = lift_worst(mesh, target, silent);
-  // Lifting has numbered vertices anew, and only refinement asks.
-  loose.assign(static_cast<std::size_t>(mesh.V.rows()), 0);
-
-  // Too many bad ones: fewer, be they worse. What is good enough for the target is good.
-  const double good = sine_of(std::min(options.good_degrees, options.target_degrees));
-  const auto times_too_many = [&] {
-    return static_cast<double>(count_below(mesh, good)) /
-           (kABitLess * options.bad_share * static_cast<double>(mesh.T.rows()));
-  };
-  const double too_many = times_too_many();
-  bool traded = false;
-  if (too_many > 1 && too_many < kHopeless && !silent.stop()) {
-    const TetMesh before = mesh;
-    price.goal = kABitMore * good;
-    price.low = kMayFallTo * good;
-    look_at(Work::trade, price.goal);
-    price.low = kRaiseTo * good;
-    price.steep = kSteep;
-    look_at(Work::raise, price.goal);
-    traded = times_too_many() <= 1;
-    if (!traded) {
-      mesh = before;
-      loose.assign(static_cast<std::size_t>(mesh.V.rows()), 0);
-      result.traded = 0;
-    }
-  }
-  if (!traded && result.lifted > 0) look_at(Work::passes, sine_of(kLookAgain * options.target_degrees));
-  if (context.cancel && context.stop()) return *context.stop();
-  result.after = dihedral_statistics(mesh.V, mesh.T);
-  result.seconds = since_begin();
-  return result;
+  return Improver(mesh, options, context).run();
 }
 
 }  // namespace overtet

@@ -14,10 +14,13 @@ struct PassesResult {
   std::vector<ImprovePass> passes;
 };
 
+// By all means: with dear means from the beginning, for any gain.
+enum class Care { usual, by_all_means };
+
 // fresh: of the first vertices; tets without one are known to have resisted and left alone until something at
-// their corners changes. Empty: all vertices are. by_all_means: dear means from the beginning, for any gain.
+// their corners changes. Empty: all vertices are.
 // For at most `seconds`; time_over also when the context says stop.
 PassesResult improve_passes(LocalOperations& work, std::span<const char> fresh, const ImproveOptions& options,
-                            bool by_all_means, double seconds, const RunContext& context);
+                            Care care, double seconds, const RunContext& context);
 
 }  // namespace overtet

@@ -5,17 +5,9 @@
 #include <vector>
 
 #include "src/improve/bad_tets.h"
+#include "src/improve/tuning.h"
 
 namespace overtet {
-
-namespace {
-
-// A pass that inserts fewer vertices than one for so many tets is the last one.
-constexpr std::int64_t kTetsPerVertex = 2000;
-constexpr int kMostPasses = 40;
-constexpr int kPollEvery = 256;
-
-}  // namespace
 
 std::int64_t refine(LocalOperations& work, double radius_edge, std::span<const char> loose,
                     std::int64_t most_tets, const RunContext& context) {
@@ -23,7 +15,7 @@ std::int64_t refine(LocalOperations& work, double radius_edge, std::span<const c
   std::vector<char> hopeless(mesh.tet_capacity(), 0);  // tried in vain
   std::int64_t all = 0;
   const auto is_loose = [&](Index v) { return v < static_cast<Index>(loose.size()) && loose[v]; };
-  for (int pass = 0; pass < kMostPasses; ++pass) {
+  while (true) {
     const std::vector<BadTet> bad = bad_tets(mesh, [&](Index t) -> std::optional<double> {
       const auto& c = mesh.tet(t);
       if (hopeless[t] || std::any_of(c.begin(), c.end(), is_loose)) return std::nullopt;
@@ -31,9 +23,8 @@ std::int64_t refine(LocalOperations& work, double radius_edge, std::span<const c
       return ratio > radius_edge * radius_edge ? std::optional(-ratio) : std::nullopt;
     });
     std::int64_t inserted = 0;
-    int count = 0;
     for (const BadTet& b : bad) {
-      if (++count % kPollEvery == 0 && context.stop()) return all + inserted;
+      if (context.stop()) return all + inserted;
       if (!b.still_in(mesh)) continue;
       if (mesh.tet_count() >= most_tets) return all + inserted;
       if (!work.insert_circumcentre(b.tet)) {
@@ -58,7 +49,7 @@ std::int64_t contract_loose(LocalOperations& work, std::span<const char> loose, 
   std::vector<std::pair<double, Index>> ends;
   for (Index v = 0; v < static_cast<Index>(loose.size()); ++v) {
     if (!loose[v] || work.fixed(v)) continue;
-    if (v % kPollEvery == 0 && context.stop()) return contracted;
+    if (context.stop()) return contracted;
     mesh.star(v, tets);
     if (std::none_of(tets.begin(), tets.end(), [&](Index t) { return work.quality(t) < bad; })) continue;
     ends.clear();

@@ -5,21 +5,14 @@
 #include <vector>
 
 #include "src/improve/bad_tets.h"
+#include "src/improve/tuning.h"
 
 namespace overtet {
 
-namespace {
-
-constexpr int kMostPasses = 8;
-constexpr int kPollEvery = 64;
-// A pass that changes fewer than one in so many bad tets is the last one.
-constexpr std::int64_t kTetsPerChange = 50;
-
-}  // namespace
-
-std::int64_t fewer_bad(LocalOperations& work, const LocalOperations::Price& price, bool insert,
+std::int64_t fewer_bad(LocalOperations& work, const LocalOperations::Price& price, NewVertices may,
                        const RunContext& context) {
   const TetComplex& mesh = work.mesh();
+  const bool insert = may == NewVertices::some;
   work.be_thorough(true);
   // A tet that resisted is left alone until something at its corners changes, and so is a vertex that stayed.
   std::int64_t now = 1, all = 0;
@@ -35,16 +28,15 @@ std::int64_t fewer_bad(LocalOperations& work, const LocalOperations::Price& pric
     return true;
   };
   static constexpr int kEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
-  for (int pass = 0; pass < kMostPasses; ++pass) {
+  for (int pass = 0; pass < kMostTradePasses; ++pass) {
     const std::vector<BadTet> bad = bad_tets(mesh, [&](Index t) -> std::optional<double> {
       return price(work.quality(t)) > 0 ? std::optional(-work.quality(t)) : std::nullopt;
     });
     // New vertices only where the old ones have found their places.
     const bool may_insert = insert && pass > 0;
     std::int64_t changes = 0;
-    int count = 0;
     for (const BadTet& b : bad) {
-      if (++count % kPollEvery == 0 && context.stop()) return all + changes;
+      if (context.stop()) return all + changes;
       if (!b.still_in(mesh) || !(price(work.quality(b.tet)) > 0)) continue;
       const auto& c = b.corners;
       const std::int64_t last = std::max({touched[c[0]], touched[c[1]], touched[c[2]], touched[c[3]]});

@@ -8,9 +8,11 @@
 
 namespace overtet {
 
+enum class NewVertices { none, some };
+
 // Goes over the tets that have a price, those near the goal first, until hardly anything changes: moves their
-// vertices, contracts edges and, where `insert` holds, inserts vertices. Returns the number of changes.
-std::int64_t fewer_bad(LocalOperations& work, const LocalOperations::Price& price, bool insert,
+// vertices, contracts edges and, where it may, inserts vertices. Returns the number of changes.
+std::int64_t fewer_bad(LocalOperations& work, const LocalOperations::Price& price, NewVertices may,
                        const RunContext& context);
 
 }  // namespace overtet

@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "kernels/parallel/parallel.h"
+#include "kernels/parallel/tuning.h"
 #include "kernels/tet_energy/tet_quality.h"
+#include "src/improve/tuning.h"
 #include "src/mesh/local_operations.h"
 #include "src/mesh/partition.h"
 
@@ -17,41 +19,6 @@ namespace overtet {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr std::int64_t kGrain = 4096;  // tets
-// So many of the worst tets, within a factor of the worst, are taken out of the mesh with what is around
-// them, so many layers.
-constexpr std::size_t kMostPlaces = 12;
-constexpr double kWithinWorst = 2;
-constexpr int kRegionLayers = 5;
-// All is done in two ways, with so many layers around a tet that is worked on, and the better end is kept.
-constexpr int kPatchLayers[] = {2, 4};
-constexpr int kWays = 2;
-// Vertices with more tets than this do not spread a layer.
-constexpr int kLargestStar = 80;
-// A patch is done with when all of its tets are better than its worst tet was by this factor; it has got
-// better when its worst tet has by that one.
-constexpr double kGoal = 1.3, kBetter = 1.01;
-// A change for the worse may leave tets down to this part of the worst one's quality.
-constexpr double kMayFallTo = 0.2;
-// Attempts to mend a tet in vain by the dear means: in all, at first and for each so many tets of the mesh;
-// and after one change.
-constexpr std::int64_t kDear = 40, kTetsPerDear = 2000;
-constexpr int kDearPerChange = 3;
-constexpr int kMostMends = 60;  // after one change
-// Of successes, in the same way.
-constexpr std::int64_t kLifts = 60, kTetsPerLift = 150, kMostLifts = 500;
-// Changes that are tried at the same time.
-constexpr std::int64_t kTrials = 8;
-// Where no change helps: walks of several chosen at random, each mended; for one tet, and their changes in
-// all, at first and for each so many tets of the mesh, but at most.
-constexpr std::int64_t kWalks = 60, kSteps = 300, kTetsPerStep = 300, kMostSteps = 2000;
-constexpr int kWalkLength = 4, kDraws = 8;
-// A walk mends all tets that are not better than the worst one was by this factor.
-constexpr double kWalkGoal = 2;
-
-// Equal qualities, computed from other orders of the corners.
-constexpr double kSame = 1 - 1e-9;
 
 constexpr int kEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
@@ -108,9 +75,6 @@ struct Change {
   Kind kind;
   int i = 0, j = 0, n = 0;
 };
-
-// How far towards the middle of its neighbours the vertex of a star that is built anew goes.
-constexpr double kTowardsMiddle[] = {0, 0.5, 1, 1.5};
 
 std::vector<Change> changes_for(const LocalOperations& work, Index t) {
   using Kind = Change::Kind;
@@ -310,7 +274,7 @@ bool lift(TetMesh& region, std::span<const char> kind, Index t, double target, i
   const auto one_change = [&](std::int64_t i, Trial& trial) {
     LocalOperations work(trial.part.complex);
     trial.part.mark_shared(work);
-    if (!apply(work, at, changes[i], kMayFallTo * worst)) return;
+    if (!apply(work, at, changes[i], kChangeMayFallTo * worst)) return;
     trial.spent = mend(work, kBetter * worst, goal, kDearPerChange, {true, true});
     trial.better = better(low_qualities(work, goal), before);
   };
@@ -324,13 +288,13 @@ bool lift(TetMesh& region, std::span<const char> kind, Index t, double target, i
       if (s < 0) return;
       const std::vector<Change> all = changes_for(work, s);
       int draws = 0;
-      while (!apply(work, s, all[1 + random() % (all.size() - 1)], kMayFallTo * worst))
+      while (!apply(work, s, all[1 + random() % (all.size() - 1)], kChangeMayFallTo * worst))
         if (++draws == kDraws) break;
       if (draws == kDraws) continue;
-      mend(work, kBetter * worst, std::min(target, kWalkGoal * worst), kDearPerChange, {false, i % 3 == 2});
+      mend(work, kBetter * worst, std::min(target, kNearWorst * worst), kDearPerChange, {false, i % 3 == 2});
       const std::vector<double> low = low_qualities(work, goal);
       trial.better = better(low, before);
-      if (!low.empty() && low.front() < kMayFallTo * worst) return;
+      if (!low.empty() && low.front() < kChangeMayFallTo * worst) return;
     }
   };
   if (!first_that_helps(start, static_cast<std::int64_t>(changes.size()), left.dear, one_change) &&
@@ -373,7 +337,7 @@ int lift_region(TetMesh& region, std::span<const char> kind, double below, doubl
 int lift_places(TetMesh& mesh, double target, Effort& left, double& resisted, const RunContext& context) {
   using Rated = std::pair<double, Index>;
   std::vector<Rated> bad = parallel_reduce(
-      mesh.T.rows(), kGrain, std::vector<Rated>{},
+      mesh.T.rows(), kLightGrain, std::vector<Rated>{},
       [&](std::int64_t begin, std::int64_t end) {
         std::vector<Rated> here;
         for (Index t = static_cast<Index>(begin); t < end; ++t)
@@ -385,10 +349,10 @@ int lift_places(TetMesh& mesh, double target, Effort& left, double& resisted, co
         return x;
       });
   if (bad.empty()) return 0;
-  const std::size_t places = std::min(kMostPlaces, bad.size());
+  const std::size_t places = std::min(static_cast<std::size_t>(kMostPlaces), bad.size());
   std::partial_sort(bad.begin(), bad.begin() + static_cast<std::ptrdiff_t>(places), bad.end());
-  if (bad.front().first > kSame * resisted) return 0;
-  const double below = std::min(target, kWithinWorst * bad.front().first);
+  if (bad.front().first > kSameQuality * resisted) return 0;
+  const double below = std::min(target, kNearWorst * bad.front().first);
   std::vector<char> near(static_cast<std::size_t>(mesh.V.rows()), 0);
   for (std::size_t i = 0; i < places && bad[i].first < below; ++i)
     for (const Index v : corners_of(mesh, bad[i].second)) near[v] = 1;
@@ -414,8 +378,8 @@ int lift_places(TetMesh& mesh, double target, Effort& left, double& resisted, co
     int lifts = 0;
     std::vector<double> low;
   };
-  std::array<Way, kWays> ways;
-  parallel_tasks(kWays, [&](std::int64_t i) {
+  std::array<Way, std::size(kPatchLayers)> ways;
+  parallel_tasks(std::ssize(kPatchLayers), [&](std::int64_t i) {
     Way& way = ways[i];
     way.region = region;
     way.left = left;
@@ -436,9 +400,8 @@ int lift_places(TetMesh& mesh, double target, Effort& left, double& resisted, co
 }  // namespace
 
 int lift_worst(TetMesh& mesh, double target, const RunContext& context) {
-  Effort left{kDear + mesh.T.rows() / kTetsPerDear,
-              std::min(kMostSteps, kSteps + mesh.T.rows() / kTetsPerStep),
-              std::min(kMostLifts, kLifts + mesh.T.rows() / kTetsPerLift)};
+  const std::int64_t tets = mesh.T.rows();
+  Effort left{kDear.of(tets), kSteps.of(tets), kLifts.of(tets)};
   int lifts = 0;
   double resisted = 1;
   for (int here = 1; here > 0 && left.lifts > 0 && left.steps > 0 && !context.stop(); lifts += here)

@@ -2,14 +2,11 @@
 #include <algorithm>
 
 #include "src/io/surface_parts.h"
+#include "src/io/tuning.h"
 
 namespace overtet::io_detail {
 
 namespace {
-
-// Above the first number the search for the best ear would be slow, so any ear is taken; above the
-// second even that would be, so the face is cut as a fan.
-constexpr std::size_t kBestEarCorners = 64, kMaxEarCorners = 1024;
 
 using Point2 = Eigen::Vector2d;
 

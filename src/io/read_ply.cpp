@@ -207,17 +207,41 @@ Status read_body(Source& in, const std::vector<Element>& elements, Polygons& out
   return success();
 }
 
-}  // namespace
-
-Result<Polygons> parse_ply(std::string_view name, std::string_view bytes, SurfaceReadInfo& info) {
-  const auto header_end = bytes.find("end_header");
-  const auto body_at = header_end == std::string_view::npos ? header_end : bytes.find('\n', header_end);
-  if (body_at == std::string_view::npos) return malformed(name, "the PLY header has no end_header line");
-  const std::string_view body = bytes.substr(body_at + 1);
-
-  TextCursor in(name, bytes.substr(0, header_end), false);
-  std::string format;
+struct Header {
+  enum class Format { ascii, little_endian, big_endian } format = Format::ascii;
   std::vector<Element> elements;
+};
+
+Result<Property> read_property(TextCursor& in) {
+  const auto bad = [&](const std::string& what) {
+    in.fail(what);
+    return in.error();
+  };
+  const auto word = [&]() -> std::string_view { return in.at_line_end() ? std::string_view() : in.token(); };
+  Property p;
+  std::string_view type = word();
+  if (type == "list") {
+    p.list = true;
+    const auto count_type = type_named(word());
+    if (!count_type || *count_type == Type::f32 || *count_type == Type::f64)
+      return bad("a list needs a whole number type for its length");
+    p.count_type = *count_type;
+    type = word();
+  }
+  const auto t = type_named(type);
+  if (!t) return bad(quoted(type) + " is not a PLY type");
+  p.type = *t;
+  p.name = word();
+  if (p.name.empty()) return bad("a property has no name");
+  return p;
+}
+
+// text: what comes before end_header.
+Result<Header> read_header(std::string_view name, std::string_view text) {
+  TextCursor in(name, text, false);
+  std::string format;
+  Header header;
+  std::vector<Element>& elements = header.elements;
   const auto bad = [&](const std::string& what) {
     in.fail(what);
     return in.error();
@@ -243,37 +267,29 @@ Result<Polygons> parse_ply(std::string_view name, std::string_view bytes, Surfac
       elements.push_back(std::move(e));
     } else if (key == "property") {
       if (elements.empty()) return bad("a property comes before any element");
-      Property p;
-      std::string_view type = word();
-      if (type == "list") {
-        p.list = true;
-        const auto count_type = type_named(word());
-        if (!count_type || *count_type == Type::f32 || *count_type == Type::f64)
-          return bad("a list needs a whole number type for its length");
-        p.count_type = *count_type;
-        type = word();
-      }
-      const auto t = type_named(type);
-      if (!t) return bad(quoted(type) + " is not a PLY type");
-      p.type = *t;
-      p.name = word();
-      if (p.name.empty()) return bad("a property has no name");
-      elements.back().properties.push_back(std::move(p));
+      auto p = read_property(in);
+      if (!p.ok()) return p.error();
+      elements.back().properties.push_back(std::move(p).value());
     } else if (key != "ply" && key != "comment" && key != "obj_info") {
       return bad(quoted(key) + " is not something a PLY header says");
     }
     in.next_line();
   }
-  const bool text = format == "ascii", little = format == "binary_little_endian",
-             big = format == "binary_big_endian";
-  if (!text && !little && !big) return malformed(name, quoted(format) + " is not a PLY format");
-  info.format = text ? "PLY, ASCII" : little ? "PLY, binary, little endian" : "PLY, binary, big endian";
+  if (format == "binary_little_endian")
+    header.format = Header::Format::little_endian;
+  else if (format == "binary_big_endian")
+    header.format = Header::Format::big_endian;
+  else if (format != "ascii")
+    return malformed(name, quoted(format) + " is not a PLY format");
+  return header;
+}
 
-  // What the body needs at least; in text every number takes two bytes.
+// Whether a body of so many bytes can hold what the header names; in text every number takes two bytes.
+Status check_header(std::string_view name, const Header& header, std::int64_t body_size) {
+  const bool text = header.format == Header::Format::ascii;
   std::int64_t least = 0;
   int seen = 0;
-  const auto body_size = static_cast<std::int64_t>(body.size()) + 1;
-  for (const Element& e : elements) {
+  for (const Element& e : header.elements) {
     std::int64_t each = 0;
     int coordinates = 0, lists = 0;
     for (const Property& p : e.properties) {
@@ -294,6 +310,25 @@ Result<Polygons> parse_ply(std::string_view name, std::string_view bytes, Surfac
     seen += e.name == "vertex" || e.name == "face";
   }
   if (seen != 2) return malformed(name, "the header names no vertices or no faces");
+  return success();
+}
+
+}  // namespace
+
+Result<Polygons> parse_ply(std::string_view name, std::string_view bytes, SurfaceReadInfo& info) {
+  const auto header_end = bytes.find("end_header");
+  const auto body_at = header_end == std::string_view::npos ? header_end : bytes.find('\n', header_end);
+  if (body_at == std::string_view::npos) return malformed(name, "the PLY header has no end_header line");
+  const std::string_view body = bytes.substr(body_at + 1);
+
+  const Result<Header> header = read_header(name, bytes.substr(0, header_end));
+  if (!header.ok()) return header.error();
+  const std::vector<Element>& elements = header.value().elements;
+  const bool text = header.value().format == Header::Format::ascii,
+             little = header.value().format == Header::Format::little_endian;
+  info.format = text ? "PLY, ASCII" : little ? "PLY, binary, little endian" : "PLY, binary, big endian";
+  if (Status s = check_header(name, header.value(), static_cast<std::int64_t>(body.size()) + 1); !s.ok())
+    return s.error();
 
   Polygons out;
   Status status = success();

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "src/io/file.h"
+#include "src/io/surface_parts.h"
 #include "src/io/tet_io.h"
 #include "src/io/text.h"
 #include "src/io/vtu.h"
@@ -13,16 +14,13 @@ namespace overtet {
 
 namespace {
 
-constexpr std::int64_t kMaxCount = std::numeric_limits<Index>::max();
-
-Error malformed(std::string_view file, const std::string& what) {
-  return {ErrorCode::bad_input, std::string(file) + ": " + what + "."};
-}
+using io_detail::kMaxCount, io_detail::malformed;
 
 // A TextCursor that reads over line ends, as these formats allow, and counts that the file can hold.
 class Tokens {
  public:
-  Tokens(std::string_view name, std::string_view text) : name_(name), in_(name, text, true) {}
+  Tokens(std::string_view name, std::string_view text)
+      : name_(name), in_(name, text, true) {}
 
   bool word(std::string_view& w) {
     if (!in_.to_token()) return false;

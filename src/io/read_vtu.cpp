@@ -88,65 +88,79 @@ std::optional<std::string> decode_base64(std::string_view text) {
   return bytes;
 }
 
-struct Arrays {
-  std::vector<double> points, connectivity, offsets, types;  // 32-bit indices are exact in a double
-};
+// The parts of a file, read one after the other; every error names the file. Its many members are what
+// attributes and arrays say, until all have been read.
+class VtuReader {
+ public:
+  explicit VtuReader(std::string_view name) : name_(name) {}
 
-}  // namespace
+  Result<TetMesh> read(std::string_view bytes) {
+    const std::vector<Tag> tags = tags_of(bytes);
+    for (const Tag& t : tags)
+      if (Status s = read_header(t); !s.ok()) return s.error();
+    for (const Tag& t : tags)
+      if (Status s = read_part(t); !s.ok()) return s.error();
+    return mesh();
+  }
 
-Result<TetMesh> read_vtu(std::string_view name, std::string_view bytes) {
-  const auto bad = [&](const std::string& what) {
-    return Error{ErrorCode::bad_input, std::string(name) + ": " + what + "."};
-  };
-  const std::vector<Tag> tags = tags_of(bytes);
-  std::string_view appended;
-  bool appended_raw = false;
-  std::size_t header_size = 4;
-  for (const Tag& t : tags) {
+ private:
+  Error bad(const std::string& what) const {
+    return {ErrorCode::bad_input, std::string(name_) + ": " + what + "."};
+  }
+
+  // How the data are stored.
+  Status read_header(const Tag& t) {
     if (t.name == "VTKFile") {
       if (t.attribute("type") != "UnstructuredGrid") return bad("this is not a VTK unstructured grid");
       if (!t.attribute("compressor").empty()) return bad("the data are compressed; save them uncompressed");
       if (t.attribute("byte_order") == "BigEndian")
         return bad("the data are big endian; save them little endian");
-      if (t.attribute("header_type") == "UInt64") header_size = 8;
+      if (t.attribute("header_type") == "UInt64") header_size_ = 8;
     }
     if (t.name == "AppendedData") {
-      appended_raw = t.attribute("encoding") == "raw";
+      appended_raw_ = t.attribute("encoding") == "raw";
       const std::size_t mark = t.text.find('_');
-      if (mark != std::string_view::npos) appended = t.text.substr(mark + 1);
+      if (mark != std::string_view::npos) appended_ = t.text.substr(mark + 1);
     }
+    return success();
   }
-  Arrays arrays;
-  std::string_view section;
-  int pieces = 0;
-  std::string_view points_said, cells_said;
-  for (const Tag& t : tags) {
+
+  // The arrays that tets are made of; others are left out.
+  Status read_part(const Tag& t) {
     if (t.name == "Piece") {
-      if (++pieces > 1) return bad("the file has several pieces");
-      points_said = t.attribute("NumberOfPoints");
-      cells_said = t.attribute("NumberOfCells");
+      if (++pieces_ > 1) return bad("the file has several pieces");
+      points_said_ = t.attribute("NumberOfPoints");
+      cells_said_ = t.attribute("NumberOfCells");
     }
     if (t.name == "Points" || t.name == "Cells" || t.name == "PointData" || t.name == "CellData")
-      section = t.name;
-    if (t.name != "DataArray") continue;
-    const std::string_view which = t.attribute("Name"), format = t.attribute("format"),
-                           type = t.attribute("type");
-    std::vector<double>* out = section == "Points"                             ? &arrays.points
-                               : section == "Cells" && which == "connectivity" ? &arrays.connectivity
-                               : section == "Cells" && which == "offsets"      ? &arrays.offsets
-                               : section == "Cells" && which == "types"        ? &arrays.types
-                                                                               : nullptr;
-    if (!out) continue;
-    if (format == "ascii" || format.empty()) {
-      TextCursor in(name, t.text, false);
-      double x = 0;
-      while (in.to_token()) {
-        if (!in.real(x, [&] { return std::string(section) + " " + std::string(which); }))
-          return bad("the data array " + quoted(which) + " holds something that is not a number");
-        out->push_back(x);
-      }
-      continue;
+      section_ = t.name;
+    if (t.name != "DataArray") return success();
+    const std::string_view which = t.attribute("Name");
+    std::vector<double>* out = section_ == "Points"                             ? &points_
+                               : section_ == "Cells" && which == "connectivity" ? &connectivity_
+                               : section_ == "Cells" && which == "offsets"      ? &offsets_
+                               : section_ == "Cells" && which == "types"        ? &types_
+                                                                                : nullptr;
+    if (!out) return success();
+    const std::string_view format = t.attribute("format");
+    if (format == "ascii" || format.empty()) return read_text(t, *out);
+    return read_binary(t, *out);
+  }
+
+  Status read_text(const Tag& t, std::vector<double>& out) const {
+    const std::string_view which = t.attribute("Name");
+    TextCursor in(name_, t.text, false);
+    double x = 0;
+    while (in.to_token()) {
+      if (!in.real(x, [&] { return std::string(section_) + " " + std::string(which); }))
+        return bad("the data array " + quoted(which) + " holds something that is not a number");
+      out.push_back(x);
     }
+    return success();
+  }
+
+  Status read_binary(const Tag& t, std::vector<double>& out) const {
+    const std::string_view which = t.attribute("Name"), format = t.attribute("format");
     std::string decoded;
     std::string_view raw;
     if (format == "binary") {
@@ -154,86 +168,105 @@ Result<TetMesh> read_vtu(std::string_view name, std::string_view bytes) {
       if (!d) return bad("the data array " + quoted(which) + " is not base64");
       decoded = std::move(*d);
       raw = decoded;
-    } else if (format == "appended" && appended_raw) {
+    } else if (format == "appended" && appended_raw_) {
       std::size_t offset = 0;
       const std::string_view o = t.attribute("offset");
       if (std::from_chars(o.data(), o.data() + o.size(), offset).ec != std::errc() ||
-          offset > appended.size())
+          offset > appended_.size())
         return bad("the data array " + quoted(which) + " points outside the file");
-      raw = appended.substr(offset);
+      raw = appended_.substr(offset);
     } else {
       return bad("data arrays in the format " + quoted(format) + " are not read");
     }
     std::uint64_t size = 0;
-    if (raw.size() < header_size) return bad("the data array " + quoted(which) + " is cut short");
-    std::memcpy(&size, raw.data(), header_size);
-    raw.remove_prefix(header_size);
+    if (raw.size() < header_size_) return bad("the data array " + quoted(which) + " is cut short");
+    std::memcpy(&size, raw.data(), header_size_);
+    raw.remove_prefix(header_size_);
     if (raw.size() < size) return bad("the data array " + quoted(which) + " is cut short");
-    raw = raw.substr(0, size);
-    const auto take = [&]<class T>(T) {
+    return take(t.attribute("type"), raw.substr(0, size), out);
+  }
+
+  Status take(std::string_view type, std::string_view raw, std::vector<double>& out) const {
+    const auto as = [&]<class T>(T) {
       const std::size_t n = raw.size() / sizeof(T);
-      out->resize(n);
+      out.resize(n);
       for (std::size_t i = 0; i < n; ++i) {
         T x;
         std::memcpy(&x, raw.data() + i * sizeof(T), sizeof(T));
-        (*out)[i] = static_cast<double>(x);
+        out[i] = static_cast<double>(x);
       }
     };
     if (type == "Float64")
-      take(double{});
+      as(double{});
     else if (type == "Float32")
-      take(float{});
+      as(float{});
     else if (type == "Int64")
-      take(std::int64_t{});
+      as(std::int64_t{});
     else if (type == "UInt64")
-      take(std::uint64_t{});
+      as(std::uint64_t{});
     else if (type == "Int32")
-      take(std::int32_t{});
+      as(std::int32_t{});
     else if (type == "UInt32")
-      take(std::uint32_t{});
+      as(std::uint32_t{});
     else if (type == "UInt8")
-      take(std::uint8_t{});
+      as(std::uint8_t{});
     else if (type == "Int8")
-      take(std::int8_t{});
+      as(std::int8_t{});
     else
       return bad("data of the type " + quoted(type) + " are not read");
+    return success();
   }
-  const auto said = [](std::string_view s) {
-    std::int64_t n = -1;
-    std::from_chars(s.data(), s.data() + s.size(), n);
-    return n;
-  };
-  const auto vertices = static_cast<std::int64_t>(arrays.points.size() / 3);
-  if (pieces != 1 || arrays.points.size() % 3 != 0 || said(points_said) != vertices ||
-      said(cells_said) != static_cast<std::int64_t>(arrays.types.size()) ||
-      arrays.offsets.size() != arrays.types.size())
-    return bad("the numbers of points and cells do not fit the data arrays");
-  if (vertices > std::numeric_limits<Index>::max())
-    return bad("there are more vertices than Overtet can number");
-  TetMesh m;
-  m.V = Eigen::Map<const VertexMatrix>(arrays.points.data(), vertices, 3);
-  std::vector<Index> corners;
-  std::int64_t begin = 0;
-  for (std::size_t c = 0; c < arrays.types.size(); ++c) {
-    const double end_said = arrays.offsets[c];
-    if (!(end_said >= static_cast<double>(begin) &&
-          end_said <= static_cast<double>(arrays.connectivity.size())))
-      return bad("cell " + std::to_string(c) + " has no corners");
-    const auto end = static_cast<std::int64_t>(end_said);
-    if (arrays.types[c] == 10) {
-      if (end - begin != 4) return bad("tet " + std::to_string(c) + " does not have four corners");
-      for (std::int64_t k = begin; k < end; ++k) {
-        const double v = arrays.connectivity[static_cast<std::size_t>(k)];
-        if (!(v >= 0 && v < static_cast<double>(vertices)))
-          return bad("tet " + std::to_string(c) + " names a vertex that is not there");
-        corners.push_back(static_cast<Index>(v));
+
+  Result<TetMesh> mesh() const {
+    const auto said = [](std::string_view s) {
+      std::int64_t n = -1;
+      std::from_chars(s.data(), s.data() + s.size(), n);
+      return n;
+    };
+    const auto vertices = static_cast<std::int64_t>(points_.size() / 3);
+    if (pieces_ != 1 || points_.size() % 3 != 0 || said(points_said_) != vertices ||
+        said(cells_said_) != static_cast<std::int64_t>(types_.size()) || offsets_.size() != types_.size())
+      return bad("the numbers of points and cells do not fit the data arrays");
+    if (vertices > std::numeric_limits<Index>::max())
+      return bad("there are more vertices than Overtet can number");
+    TetMesh m;
+    m.V = Eigen::Map<const VertexMatrix>(points_.data(), vertices, 3);
+    std::vector<Index> corners;
+    std::int64_t begin = 0;
+    for (std::size_t c = 0; c < types_.size(); ++c) {
+      const double end_said = offsets_[c];
+      if (!(end_said >= static_cast<double>(begin) && end_said <= static_cast<double>(connectivity_.size())))
+        return bad("cell " + std::to_string(c) + " has no corners");
+      const auto end = static_cast<std::int64_t>(end_said);
+      if (types_[c] == 10) {
+        if (end - begin != 4) return bad("tet " + std::to_string(c) + " does not have four corners");
+        for (std::int64_t k = begin; k < end; ++k) {
+          const double v = connectivity_[static_cast<std::size_t>(k)];
+          if (!(v >= 0 && v < static_cast<double>(vertices)))
+            return bad("tet " + std::to_string(c) + " names a vertex that is not there");
+          corners.push_back(static_cast<Index>(v));
+        }
       }
+      begin = end;
     }
-    begin = end;
+    if (corners.empty()) return bad("the file holds no tets");
+    m.T = Eigen::Map<const TetMatrix>(corners.data(), static_cast<Eigen::Index>(corners.size() / 4), 4);
+    return m;
   }
-  if (corners.empty()) return bad("the file holds no tets");
-  m.T = Eigen::Map<const TetMatrix>(corners.data(), static_cast<Eigen::Index>(corners.size() / 4), 4);
-  return m;
+
+  std::string_view name_;
+  std::string_view appended_;
+  bool appended_raw_ = false;
+  std::size_t header_size_ = 4;
+  int pieces_ = 0;
+  std::string_view section_, points_said_, cells_said_;
+  std::vector<double> points_, connectivity_, offsets_, types_;  // 32-bit indices are exact in a double
+};
+
+}  // namespace
+
+Result<TetMesh> read_vtu(std::string_view name, std::string_view bytes) {
+  return VtuReader(name).read(bytes);
 }
 
 }  // namespace overtet

@@ -3,31 +3,17 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 
 #include "kernels/predicates/predicates.h"
 #include "kernels/tet_energy/tet_quality.h"
 #include "src/mesh/local_operations.h"
+#include "src/mesh/tuning.h"
 
 namespace overtet {
 
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kMostGrowth = 10;
-// insert_near(): a cavity for less first, so that the vertex finds its place.
-constexpr double kPartsOfNeed[] = {0.3, 0.7, 1};
-// Larger ones seldom have a place for a vertex that makes good tets with all of their faces.
-constexpr std::size_t kLargestCavity = 20;
-constexpr std::size_t kLargestDelaunayCavity = 20000;
-// A direction that passes an edge in a smaller angle (radians, about) may belong to either side.
-constexpr double kNearAnEdge = 1e-10;
-constexpr int kLongestWalk = 100;
-// Of the square of the radius of the smallest sphere through a boundary face: nearer vertices are not
-// inserted.
-constexpr double kEncroaching = 0.5;
 
 }  // namespace
 
@@ -106,8 +92,8 @@ bool LocalOperations::insert(Tets& cavity, const Vector3d& start, double gain) {
   if (!(q > 0)) return false;
   q = optimise(x, q, 3);
   // Take in the neighbour behind the face that makes the worst tet, as long as that helps.
-  for (int growth = 0; growth < kMostGrowth && cavity.size() < kLargestCavity; ++growth) {
-    double least = kInfinity;
+  while (cavity.size() < kLargestCavity) {
+    double least = HUGE_VAL;
     Face at{};
     for (const Face& f : hull_) {
       const double here =
@@ -154,14 +140,14 @@ bool LocalOperations::insert(Tets& cavity, const Vector3d& start, double gain) {
 }
 
 double LocalOperations::grow_cavity(Index t, const Vector3d& x, double need, std::size_t most,
-                                    bool boundary_too) {
+                                    Judged judged) {
   cavity_ = {t};
   const std::uint32_t inside = ++tet_stamp_;
   tet_mark_[t] = inside;
   for (std::size_t i = 0; i < cavity_.size(); ++i)
     for (int k = 0; k < 4; ++k) {
       const Index u = mesh_.neighbour(cavity_[i], k);
-      if (u >= 0 ? tet_mark_[u] == inside : !boundary_too) continue;
+      if (u >= 0 ? tet_mark_[u] == inside : judged == Judged::inside) continue;
       const Face f = inner_face(cavity_[i], k);
       if (min_dihedral_sine(mesh_.position(f[0]), mesh_.position(f[1]), mesh_.position(f[2]), x) > need)
         continue;
@@ -178,8 +164,9 @@ double LocalOperations::grow_cavity(Index t, const Vector3d& x, double need, std
 bool LocalOperations::insert_near(Index t, const Vector3d& start, double gain) {
   Vector3d x = start;
   double q = 0;
-  for (const double part : kPartsOfNeed) {
-    q = grow_cavity(t, x, part * gain * quality_[t], kLargestCavity, part == 1);
+  for (const double part : kPartsOfAim) {
+    q = grow_cavity(t, x, part * gain * quality_[t], kLargestCavity,
+                    part < 1 ? Judged::inside : Judged::boundary_too);
     if (!(q > 0)) return false;
     q = optimise(x, q, 4);
   }
@@ -339,7 +326,6 @@ bool LocalOperations::insert_circumcentre(Index t) {
   const std::uint32_t inside = ++tet_stamp_, near = ++vertex_stamp_;
   tet_mark_[at] = inside;
   for (std::size_t i = 0; i < cavity_.size(); ++i) {
-    if (cavity_.size() > kLargestDelaunayCavity) return false;
     for (const Index v : mesh_.tet(cavity_[i])) {
       if (vertex_mark_[v] == near) continue;
       vertex_mark_[v] = near;

@@ -3,10 +3,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "kernels/parallel/parallel.h"
+#include "kernels/parallel/tuning.h"
 #include "kernels/tet_energy/tet_quality.h"
+#include "src/mesh/tuning.h"
 
 namespace overtet {
 
@@ -14,14 +15,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::int64_t kGrain = 4096;  // tets
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 }  // namespace
 
 LocalOperations::LocalOperations(TetComplex& mesh) : mesh_(mesh) {
   quality_.resize(mesh.tet_capacity(), 0);
   fixed_.assign(mesh.vertex_count(), 0);
-  parallel_for(mesh.tet_capacity(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(mesh.tet_capacity(), kLightGrain, [&](std::int64_t begin, std::int64_t end) {
     for (Index t = static_cast<Index>(begin); t < end; ++t)
       if (const auto& c = mesh.tet(t); mesh.alive(t)) quality_[t] = quality_of(c[0], c[1], c[2], c[3]);
   });
@@ -42,7 +41,7 @@ double LocalOperations::quality_of(Index a, Index b, Index c, Index d) const {
 }
 
 double LocalOperations::worst(const Tets& tets) const {
-  double q = kInfinity;
+  double q = HUGE_VAL;
   for (const Index t : tets) q = std::min(q, quality_[t]);
   return q;
 }
@@ -66,10 +65,10 @@ void LocalOperations::forget_spheres(std::span<const Index> tets) {
   for (const Index t : tets) spheres_[t].squared_radius = -1;
 }
 
-void LocalOperations::share(Index v, bool pinched) {
+void LocalOperations::share(Index v, Sharing how) {
   if (shared_.empty()) shared_.assign(mesh_.vertex_count(), 0);
   fixed_[v] = 1;
-  shared_[v] = pinched ? 2 : 1;
+  shared_[v] = how == Sharing::pinched ? 2 : 1;
 }
 
 bool LocalOperations::respects_shared(const Tets& removed) const {
@@ -231,7 +230,7 @@ bool LocalOperations::remove_edge(Index t, Index a, Index b, double enough) {
     for (int length = 1; length < n; ++length)
       for (int i = 0; i + length < n; ++i) {
         const int j = i + length;
-        best[i][j] = length == 1 ? kInfinity : 0;
+        best[i][j] = length == 1 ? HUGE_VAL : 0;
         middle[i][j] = -1;
         if (length == 1 || barred[i][j]) continue;
         for (int k = i + 1; k < j; ++k) {

@@ -26,6 +26,7 @@
 #include <vector>
 
 #include "src/mesh/tet_complex.h"
+#include "src/mesh/tuning.h"
 
 namespace overtet {
 
@@ -33,6 +34,7 @@ namespace overtet {
 double squared_radius_edge(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
                            const Eigen::Vector3d& d);
 
+// One class, because all operations share the tables that each has to keep right, and buffers.
 class LocalOperations {
  public:
   // Works on `mesh`, which must stay alive and must not be changed by others meanwhile.
@@ -44,9 +46,10 @@ class LocalOperations {
   bool fixed(Index v) const { return fixed_[v] != 0; }   // on the boundary (or pinned)
   void pin(Index v) { fixed_[v] = 1; }                   // treat an interior vertex like a boundary one
   // v is fixed and belongs to tets outside this complex as well: no operation makes an edge or a face between
-  // shared vertices that was not there, so that it cannot be there twice in the whole. With `pinched` (tets
+  // shared vertices that was not there, so that it cannot be there twice in the whole. When pinched (tets
   // of this complex around v, or around an edge of it, hang together outside only) no edge to v either.
-  void share(Index v, bool pinched);
+  enum class Sharing { plain, pinched };
+  void share(Index v, Sharing how);
   bool shared(Index v) const { return v < static_cast<Index>(shared_.size()) && shared_[v] != 0; }
   // New or changed tets of the last operation that returned true.
   const std::vector<Index>& changed() const { return changed_; }
@@ -74,13 +77,13 @@ class LocalOperations {
   // A new vertex with every face of the edge's ring / the face's two tets / the tet itself, placed by
   // optimisation; the cavity is grown over bad neighbours first. Must make the worst tet of the cavity
   // better by the factor `gain`.
-  bool insert_at_edge(Index t, Index a, Index b, double gain = 1.001);
-  bool insert_at_tet(Index t, double gain = 1.001);
+  bool insert_at_edge(Index t, Index a, Index b, double gain = kAnyGain);
+  bool insert_at_tet(Index t, double gain = kAnyGain);
   // The same with a cavity that is found the other way round: from where the vertex is to be (start), all
   // around t that makes no better tet with it goes. Around: starts in
   // t, in the tets beside it and halfway along its edges.
-  bool insert_near(Index t, const Eigen::Vector3d& start, double gain = 1.001);
-  bool insert_around(Index t, double gain = 1.001);
+  bool insert_near(Index t, const Eigen::Vector3d& start, double gain = kAnyGain);
+  bool insert_around(Index t, double gain = kAnyGain);
   // The best tets (polyhedron.h) for the star of a free corner of t, which may be left out of them, or else
   // for what lies around t. Every new tet must be better than t was by the factor `gain`.
   bool reconnect(Index t, double gain = 1.02);
@@ -97,7 +100,7 @@ class LocalOperations {
   bool insert_circumcentre(Index t);
 
   // Moves the free vertex v so that the worst tet of its star gets better by at least the factor `gain`.
-  bool smooth(Index v, double gain = 1.001);
+  bool smooth(Index v, double gain = kAnyGain);
   // The same towards a given place: the best of a few points on the way. Must improve the worst.
   bool move_towards(Index v, const Eigen::Vector3d& target);
 
@@ -136,8 +139,6 @@ class LocalOperations {
   const Sphere& circumsphere(Index t);  // rounded; not finite for tets that are too flat
   double squared_radius_edge(Index t);  // the square of the circumradius over the shortest edge, of t
 
-  static constexpr int kLargestRing = 10;
-
  private:
   using Tets = std::vector<Index>;
   using Face = std::array<Index, 3>;  // (face, x) is positive for the vertex x that sees it
@@ -167,9 +168,11 @@ class LocalOperations {
   // Climbs from x, whose quality is q; returns the quality reached. x changes only for the better.
   double optimise(Eigen::Vector3d& x, double q, int rounds);
   // The tets around t with faces that make tets with x no better than `need`, `most` at most, go to cavity_,
-  // the faces around them to hull_ and bases_. boundary_too: faces of the boundary have to be better, too.
+  // the faces around them to hull_ and bases_. Which faces have to be better: those inside, or those of the
+  // boundary, too.
   // Returns the worst quality of a vertex at x; not positive where there is no such cavity.
-  double grow_cavity(Index t, const Eigen::Vector3d& x, double need, std::size_t most, bool boundary_too);
+  enum class Judged { inside, boundary_too };
+  double grow_cavity(Index t, const Eigen::Vector3d& x, double need, std::size_t most, Judged judged);
   // Replaces the cavity (grown first) by a new vertex that sees its faces; starts looking at `start`.
   bool insert(Tets& cavity, const Eigen::Vector3d& start, double gain);
   // The cheapest place found from x for a vertex that sees bases_; returns the price of the tets there.

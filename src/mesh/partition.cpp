@@ -4,16 +4,18 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <numeric>
+#include <optional>
 #include <tuple>
 
 #include "kernels/parallel/parallel.h"
+#include "kernels/parallel/tuning.h"
+#include "src/mesh/tuning.h"
 
 namespace overtet {
 
 namespace {
-
-constexpr std::int64_t kGrain = 4096;  // tets
 
 // A tet's box, for cuts across the axes.
 struct Box {
@@ -21,9 +23,6 @@ struct Box {
   Index tet;
   int weight;
 };
-
-// Places where a plane may cut.
-constexpr int kPlaces = 64;
 
 // For one axis: weights by the places of the tets' ends and middles.
 struct Places {
@@ -105,119 +104,152 @@ void find_pinched(MeshPart& part, const std::vector<char>& shared) {
     if (pinched[v]) part.pinched.push_back(v);
 }
 
+// The boxes of the chosen tets.
+std::vector<Box> boxes_of(const TetMesh& mesh, std::span<const Index> chosen, std::span<const int> weight) {
+  std::vector<Box> boxes(chosen.size());
+  parallel_for(static_cast<std::int64_t>(chosen.size()), kLightGrain,
+               [&](std::int64_t begin, std::int64_t end) {
+                 for (std::int64_t i = begin; i < end; ++i) {
+                   Box& b = boxes[i];
+                   b.tet = chosen[i];
+                   b.weight = weight.empty() ? 1 : weight[i];
+                   for (int k = 0; k < 3; ++k) {
+                     b.low[k] = b.high[k] = static_cast<float>(mesh.V(mesh.T(chosen[i], 0), k));
+                     for (int j = 1; j < 4; ++j) {
+                       const auto x = static_cast<float>(mesh.V(mesh.T(chosen[i], j), k));
+                       b.low[k] = std::min(b.low[k], x);
+                       b.high[k] = std::max(b.high[k], x);
+                     }
+                   }
+                 }
+               });
+  return boxes;
+}
+
+struct Extent {
+  std::array<float, 3> low, high;
+};
+
+Extent extent_of(std::span<const Box> boxes) {
+  Extent none;
+  none.low.fill(HUGE_VALF), none.high.fill(-HUGE_VALF);
+  return parallel_reduce(
+      static_cast<std::int64_t>(boxes.size()), kLightGrain, none,
+      [&](std::int64_t begin, std::int64_t end) {
+        Extent e = none;
+        for (std::int64_t i = begin; i < end; ++i)
+          for (int k = 0; k < 3; ++k) {
+            e.low[k] = std::min(e.low[k], boxes[i].low[k]);
+            e.high[k] = std::max(e.high[k], boxes[i].high[k]);
+          }
+        return e;
+      },
+      [](Extent x, const Extent& y) {
+        for (int k = 0; k < 3; ++k) {
+          x.low[k] = std::min(x.low[k], y.low[k]);
+          x.high[k] = std::max(x.high[k], y.high[k]);
+        }
+        return x;
+      });
+}
+
+using Rulers = std::array<Ruler, 3>;
+using AllPlaces = std::array<Places, 3>;
+
+AllPlaces places_of(std::span<const Box> boxes, const Rulers& rulers) {
+  return parallel_reduce(
+      static_cast<std::int64_t>(boxes.size()), 4 * kLightGrain, AllPlaces{},
+      [&](std::int64_t begin, std::int64_t end) {
+        AllPlaces p{};
+        for (std::int64_t i = begin; i < end; ++i)
+          for (int k = 0; k < 3; ++k) {
+            const Box& b = boxes[i];
+            p[k].low[rulers[k].place(b.low[k])] += b.weight;
+            p[k].high[rulers[k].place(b.high[k])] += b.weight;
+            p[k].middle[rulers[k].middle(b, k)] += b.weight;
+          }
+        return p;
+      },
+      [](AllPlaces x, const AllPlaces& y) {
+        for (int k = 0; k < 3; ++k) x[k].add(y[k]);
+        return x;
+      });
+}
+
+struct Cut {
+  int axis, place;
+};
+
+// Where a plane meets least, with at most `most_off` more or less than `wanted` before it.
+std::optional<Cut> best_cut(const AllPlaces& places, double wanted, double most_off) {
+  std::optional<Cut> best;
+  double least_met = HUGE_VAL, least_off = HUGE_VAL;
+  for (int k = 0; k < 3; ++k) {
+    std::int64_t begun = 0, ended = 0, before = 0;
+    for (int p = 1; p < kPlaces; ++p) {
+      begun += places[k].low[p - 1];
+      ended += places[k].high[p - 1];
+      before += places[k].middle[p - 1];
+      const auto met = static_cast<double>(begun - ended);
+      const double off = std::abs(static_cast<double>(before) - wanted);
+      if (off > most_off || !(met < least_met || (met == least_met && off < least_off))) continue;
+      best = Cut{k, p};
+      least_met = met, least_off = off;
+    }
+  }
+  return best;
+}
+
+// Sorts along the longest side; returns how many first ones have the wanted weight.
+std::size_t cut_exactly(std::span<Box> boxes, const Extent& extent, double wanted) {
+  int axis = 0;
+  for (int k = 1; k < 3; ++k)
+    if (extent.high[k] - extent.low[k] > extent.high[axis] - extent.low[axis]) axis = k;
+  std::sort(boxes.begin(), boxes.end(), [axis](const Box& x, const Box& y) {
+    const float p = x.low[axis] + x.high[axis], q = y.low[axis] + y.high[axis];
+    return p != q ? p < q : x.tet < y.tet;
+  });
+  std::size_t middle = 0;
+  for (double before = 0; middle < boxes.size() && before + boxes[middle].weight <= wanted; ++middle)
+    before += boxes[middle].weight;
+  return middle;
+}
+
 }  // namespace
 
 void MeshPart::mark_shared(LocalOperations& work) const {
-  for (const Index v : shared) work.share(v, false);
-  for (const Index v : pinched) work.share(v, true);
+  for (const Index v : shared) work.share(v, LocalOperations::Sharing::plain);
+  for (const Index v : pinched) work.share(v, LocalOperations::Sharing::pinched);
 }
 
 std::vector<int> cut_apart(const TetMesh& mesh, std::span<const Index> chosen, int parts, double slack,
                            std::span<const int> weight) {
   std::vector<int> part_of(static_cast<std::size_t>(mesh.T.rows()), -1);
-  std::vector<Box> boxes(chosen.size());
-  parallel_for(static_cast<std::int64_t>(chosen.size()), kGrain, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t i = begin; i < end; ++i) {
-      Box& b = boxes[i];
-      b.tet = chosen[i];
-      b.weight = weight.empty() ? 1 : weight[i];
-      for (int k = 0; k < 3; ++k) {
-        b.low[k] = b.high[k] = static_cast<float>(mesh.V(mesh.T(chosen[i], 0), k));
-        for (int j = 1; j < 4; ++j) {
-          const auto x = static_cast<float>(mesh.V(mesh.T(chosen[i], j), k));
-          b.low[k] = std::min(b.low[k], x);
-          b.high[k] = std::max(b.high[k], x);
-        }
-      }
-    }
-  });
+  std::vector<Box> boxes = boxes_of(mesh, chosen, weight);
   const auto cut = [&](const auto& self, std::span<Box> here, int first, int count) -> void {
     if (count == 1 || here.empty()) {
       for (const Box& b : here) part_of[b.tet] = first;
       return;
     }
-    const auto n = static_cast<std::int64_t>(here.size());
-    struct Extent {
-      std::array<float, 3> low, high;
-    } none;
-    none.low.fill(HUGE_VALF), none.high.fill(-HUGE_VALF);
-    const Extent extent = parallel_reduce(
-        n, 4 * kGrain, none,
-        [&](std::int64_t begin, std::int64_t end) {
-          Extent e = none;
-          for (std::int64_t i = begin; i < end; ++i)
-            for (int k = 0; k < 3; ++k) {
-              e.low[k] = std::min(e.low[k], here[i].low[k]);
-              e.high[k] = std::max(e.high[k], here[i].high[k]);
-            }
-          return e;
-        },
-        [](Extent x, const Extent& y) {
-          for (int k = 0; k < 3; ++k) {
-            x.low[k] = std::min(x.low[k], y.low[k]);
-            x.high[k] = std::max(x.high[k], y.high[k]);
-          }
-          return x;
-        });
-    std::array<Ruler, 3> rulers;
+    const Extent extent = extent_of(here);
+    Rulers rulers;
     for (int k = 0; k < 3; ++k)
       rulers[k] = {extent.low[k],
                    extent.high[k] > extent.low[k] ? kPlaces / (extent.high[k] - extent.low[k]) : 0};
-    using AllPlaces = std::array<Places, 3>;
-    const AllPlaces places = parallel_reduce(
-        n, 4 * kGrain, AllPlaces{},
-        [&](std::int64_t begin, std::int64_t end) {
-          AllPlaces p{};
-          for (std::int64_t i = begin; i < end; ++i)
-            for (int k = 0; k < 3; ++k) {
-              const Box& b = here[i];
-              p[k].low[rulers[k].place(b.low[k])] += b.weight;
-              p[k].high[rulers[k].place(b.high[k])] += b.weight;
-              p[k].middle[rulers[k].middle(b, k)] += b.weight;
-            }
-          return p;
-        },
-        [](AllPlaces x, const AllPlaces& y) {
-          for (int k = 0; k < 3; ++k) x[k].add(y[k]);
-          return x;
-        });
+    const AllPlaces places = places_of(here, rulers);
     const int left = count / 2;
     const auto all =
         static_cast<double>(std::accumulate(places[0].low.begin(), places[0].low.end(), std::int64_t{0}));
-    const double wanted = all * left / count, most_off = slack * all;
-    int axis = -1, place = 0;
-    double least_met = HUGE_VAL, least_off = HUGE_VAL;
-    for (int k = 0; k < 3; ++k) {
-      std::int64_t begun = 0, ended = 0, before = 0;
-      for (int p = 1; p < kPlaces; ++p) {
-        begun += places[k].low[p - 1];
-        ended += places[k].high[p - 1];
-        before += places[k].middle[p - 1];
-        const auto met = static_cast<double>(begun - ended);
-        const double off = std::abs(static_cast<double>(before) - wanted);
-        if (off > most_off || !(met < least_met || (met == least_met && off < least_off))) continue;
-        axis = k, place = p;
-        least_met = met, least_off = off;
-      }
-    }
-    std::size_t middle = 0;
-    if (axis >= 0) {
-      const Ruler ruler = rulers[axis];
+    const double wanted = all * left / count;
+    std::size_t middle;
+    if (const std::optional<Cut> best = best_cut(places, wanted, slack * all)) {
+      const Ruler ruler = rulers[best->axis];
       middle = static_cast<std::size_t>(
           std::partition(here.begin(), here.end(),
-                         [&](const Box& b) { return ruler.middle(b, axis) < place; }) -
+                         [&](const Box& b) { return ruler.middle(b, best->axis) < best->place; }) -
           here.begin());
     } else {
-      // No place will do (few tets, or large ones): the exact one along the longest side.
-      axis = 0;
-      for (int k = 1; k < 3; ++k)
-        if (extent.high[k] - extent.low[k] > extent.high[axis] - extent.low[axis]) axis = k;
-      std::sort(here.begin(), here.end(), [axis](const Box& x, const Box& y) {
-        const float p = x.low[axis] + x.high[axis], q = y.low[axis] + y.high[axis];
-        return p != q ? p < q : x.tet < y.tet;
-      });
-      for (double before = 0; middle < here.size() && before + here[middle].weight <= wanted; ++middle)
-        before += here[middle].weight;
+      middle = cut_exactly(here, extent, wanted);  // few tets, or large ones
     }
     parallel_invoke([&] { self(self, here.subspan(0, middle), first, left); },
                     [&] { self(self, here.subspan(middle), first + left, count - left); });
@@ -275,8 +307,10 @@ Pieces in_pieces(const TetMesh& mesh, std::span<const Index> chosen, int parts, 
 }
 
 std::vector<MeshPart> take_parts(const TetMesh& mesh, std::span<const int> part_of, int parts) {
-  constexpr int kSeveral = -2, kNone = -3;
-  std::vector<int> owner(static_cast<std::size_t>(mesh.V.rows()), kNone);  // the only part, -1: none of them
+  struct Owners {  // the parts of a vertex' tets, -1 for none of them; one part where both are equal
+    int least = std::numeric_limits<int>::max(), most = std::numeric_limits<int>::min();
+  };
+  std::vector<Owners> owners(static_cast<std::size_t>(mesh.V.rows()));
   std::vector<std::vector<Index>> tets(parts);
   parallel_invoke(
       [&] {
@@ -286,8 +320,8 @@ std::vector<MeshPart> take_parts(const TetMesh& mesh, std::span<const int> part_
       [&] {
         for (Index t = 0; t < mesh.T.rows(); ++t)
           for (int k = 0; k < 4; ++k) {
-            int& o = owner[mesh.T(t, k)];
-            o = o == kNone || o == part_of[t] ? part_of[t] : kSeveral;
+            Owners& o = owners[mesh.T(t, k)];
+            o = {std::min(o.least, part_of[t]), std::max(o.most, part_of[t])};
           }
       });
   std::vector<MeshPart> result(parts);
@@ -297,7 +331,7 @@ std::vector<MeshPart> take_parts(const TetMesh& mesh, std::span<const int> part_
       sort_by_place(mesh, tets[p]);
       // Numbers in the order of first use: what is near lies near in memory.
       static thread_local std::vector<Index> local;
-      local.resize(std::max<std::size_t>(local.size(), owner.size()), -1);
+      local.resize(std::max<std::size_t>(local.size(), owners.size()), -1);
       std::vector<Index>& vertex = part.vertex;
       TetMatrix T(static_cast<Eigen::Index>(tets[p].size()), 4);
       for (std::size_t i = 0; i < tets[p].size(); ++i)
@@ -314,7 +348,7 @@ std::vector<MeshPart> take_parts(const TetMesh& mesh, std::span<const int> part_
       for (std::size_t i = 0; i < vertex.size(); ++i) {
         local[vertex[i]] = -1;
         V.row(static_cast<Eigen::Index>(i)) = mesh.V.row(vertex[i]);
-        if (owner[vertex[i]] != kSeveral) continue;
+        if (owners[vertex[i]].least == owners[vertex[i]].most) continue;
         shared[i] = 1;
         part.shared.push_back(static_cast<Index>(i));
       }
@@ -332,12 +366,12 @@ std::vector<Index> put_parts(TetMesh& mesh, std::span<const int> part_of,
   const auto use = [&](Index v) { std::atomic_ref(used[v]).store(1, std::memory_order_relaxed); };
   std::fill(used.begin(), used.begin() + mesh.surface_vertices, 1);
   const std::vector<Index> kept = parallel_collect<Index>(
-      mesh.T.rows(), kGrain, [&](std::int64_t begin, std::int64_t end, std::vector<Index>& list) {
+      mesh.T.rows(), kLightGrain, [&](std::int64_t begin, std::int64_t end, std::vector<Index>& list) {
         for (Index t = static_cast<Index>(begin); t < end; ++t)
           if (part_of[t] < 0) list.push_back(t);
       });
-  const std::int64_t count = static_cast<std::int64_t>(parts.size());
-  parallel_for(static_cast<std::int64_t>(kept.size()), kGrain, [&](std::int64_t begin, std::int64_t end) {
+  const auto count = static_cast<std::int64_t>(parts.size()), others = static_cast<std::int64_t>(kept.size());
+  parallel_for(others, kLightGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i)
       for (int k = 0; k < 4; ++k) use(mesh.T(kept[i], k));
   });
@@ -361,7 +395,7 @@ std::vector<Index> put_parts(TetMesh& mesh, std::span<const int> part_of,
     if (used[v]) moved[v] = vertices++;
   std::vector<Index> first_vertex;
   std::vector<std::int64_t> first_row;
-  std::int64_t tets = static_cast<std::int64_t>(kept.size());
+  std::int64_t tets = others;
   for (std::int64_t p = 0; p < count; ++p) {
     first_vertex.push_back(vertices);
     first_row.push_back(tets);
@@ -370,11 +404,11 @@ std::vector<Index> put_parts(TetMesh& mesh, std::span<const int> part_of,
   }
   VertexMatrix V(vertices, 3);
   TetMatrix T(tets, 4);
-  parallel_for(old_vertices, kGrain, [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(old_vertices, kLightGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t v = begin; v < end; ++v)
       if (moved[v] >= 0) V.row(moved[v]) = mesh.V.row(v);
   });
-  parallel_for(static_cast<std::int64_t>(kept.size()), kGrain, [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(others, kLightGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i)
       for (int k = 0; k < 4; ++k) T(i, k) = moved[mesh.T(kept[i], k)];
   });

@@ -14,11 +14,13 @@
 #include <cstdint>
 #include <vector>
 
+#include "src/mesh/tuning.h"
+
 namespace overtet {
 
+// Its many members are the tables of one search, kept from step to step.
 class Polyhedron {
  public:
-  static constexpr int kMostPoints = 24;
   using Face = std::array<int, 3>;  // (face, x) is positive for x inside
   using Tet = std::array<int, 4>;
 

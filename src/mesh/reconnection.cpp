@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/delaunay/tuning.h"
 #include "kernels/tet_energy/tet_quality.h"
 #include "src/mesh/local_operations.h"
 #include "src/mesh/polyhedron.h"
+#include "src/mesh/tuning.h"
 
 namespace overtet {
 
@@ -13,13 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Sums of angles that must be equal are so up to rounding, or differ by a whole turn.
-constexpr double kSameTurn = 1e-2;
-constexpr std::size_t kMostTetsAround = 40;
-constexpr std::int64_t kMostSteps = 300;
-
-constexpr int kMost = Polyhedron::kMostPoints;
-using Sums = std::array<std::array<double, kMost>, kMost>;  // [i][j], i < j
+using Sums = std::array<std::array<double, kMostPoints>, kMostPoints>;  // [i][j], i < j
 
 void add_angles(Sums& sums, const Polyhedron::Tet& t, const std::array<double, 6>& angles) {
   static constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
@@ -50,6 +46,7 @@ bool stars_connected(const std::vector<Polyhedron::Tet>& tets, int points) {
 
 }  // namespace
 
+// One function, because the numbers that points have in the polyhedron are used by all of its steps.
 bool LocalOperations::refill(const Tets& cavity, const Refill& how) {
   if (!hull_of(cavity, hull_)) return false;
   const std::uint32_t inside = tet_stamp_;
@@ -60,7 +57,7 @@ bool LocalOperations::refill(const Tets& cavity, const Refill& how) {
   for (const Index t : cavity) points.insert(points.end(), mesh_.tet(t).begin(), mesh_.tet(t).end());
   std::sort(points.begin(), points.end());
   points.erase(std::unique(points.begin(), points.end()), points.end());
-  if (points.size() > kMost) return false;
+  if (points.size() > kMostPoints) return false;
   const int n = static_cast<int>(points.size());
   const auto local = [&](Index v) {
     const auto at = std::lower_bound(points.begin(), points.end(), v);
@@ -71,7 +68,7 @@ bool LocalOperations::refill(const Tets& cavity, const Refill& how) {
 
   p.clear();
   for (const Index v : points) p.add_point(v == how.moved ? how.to : mesh_.position(v));
-  std::array<std::uint32_t, kMost> known{}, hull{};  // edges: the cavity's, and those of its hull
+  std::array<std::uint32_t, kMostPoints> known{}, hull{};  // edges: the cavity's, and those of its hull
   const auto join = [](auto& edges, int i, int j) { edges[i] |= 1u << j, edges[j] |= 1u << i; };
   for (const Face& f : hull_) {
     const Polyhedron::Face g{local(f[0]), local(f[1]), local(f[2])};
@@ -112,7 +109,7 @@ bool LocalOperations::refill(const Tets& cavity, const Refill& how) {
     }
   }
   if (how.no_face[0] >= 0) p.bar_face(local(how.no_face[0]), local(how.no_face[1]), local(how.no_face[2]));
-  if (!(p.fill(how.must, kMostSteps, filling) > how.must)) return false;
+  if (!(p.fill(how.must, kFillSteps, filling) > how.must)) return false;
 
   // The cavity may not be embedded: nothing may make another turn, or hang on a vertex alone.
   for (const auto& t : filling)
@@ -121,7 +118,7 @@ bool LocalOperations::refill(const Tets& cavity, const Refill& how) {
     for (int i = 0; i < j; ++i) {
       const bool on_hull = hull[i] >> j & 1;
       if (!on_hull && after[i][j] == 0) continue;
-      if (!(std::fabs(after[i][j] - (on_hull ? before[i][j] : 2 * M_PI)) < kSameTurn)) return false;
+      if (!(std::fabs(after[i][j] - (on_hull ? before[i][j] : 2 * M_PI)) < kTurnTolerance)) return false;
     }
   if (!stars_connected(filling, n)) return false;
   added_.clear();
@@ -162,7 +159,7 @@ bool LocalOperations::reconnect(Index t, double gain) {
   for (const Index v : corners) {
     if (fixed_[v]) continue;
     mesh_.star(v, cavity_);
-    if (cavity_.size() <= kMostTetsAround && refill(cavity_, how)) return true;
+    if (refill(cavity_, how)) return true;
   }
   // What lies around it, as long as the points are few enough: first the neighbours that bring no new ones,
   // and of these the worst. The last cavity that was a ball.
@@ -170,7 +167,7 @@ bool LocalOperations::reconnect(Index t, double gain) {
   std::vector<Index> points(corners.begin(), corners.end());
   std::size_t good = 0;
   const auto has_point = [&](Index v) { return std::find(points.begin(), points.end(), v) != points.end(); };
-  while (cavity_.size() < kMostTetsAround) {
+  while (true) {
     Index next = -1;
     std::pair<int, double> least;
     for (const Index c : cavity_)
@@ -184,7 +181,7 @@ bool LocalOperations::reconnect(Index t, double gain) {
         least = score;
         next = u;
       }
-    if (next < 0 || points.size() + least.first > kMost) break;
+    if (next < 0 || points.size() + least.first > kMostPoints) break;
     cavity_.push_back(next);
     for (const Index v : mesh_.tet(next))
       if (!has_point(v)) points.push_back(v);

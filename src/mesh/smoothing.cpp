@@ -2,29 +2,17 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <span>
 
 #include "kernels/tet_energy/tet_quality.h"
 #include "src/mesh/local_operations.h"
+#include "src/mesh/tuning.h"
 
 namespace overtet {
 
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// A move that gains less than this is not worth a change of the mesh.
-constexpr double kLeastGain = 1e-3;
-// Functions within this factor of the worst steer the climb together with it.
-constexpr double kActiveFactor[] = {1.5, 1.1}, kAllFactors[] = {1.5, 1.1, 2.0, 1.25, 1.02};
-// Those beyond this factor do not matter for a step.
-constexpr double kFarFromWorst = 4.0;
-constexpr int kMostActive = 5;
-constexpr int kMostHalvings = 10;
-// A step is not tried where the linear model of the logarithm promises less than this.
-constexpr double kLeastStepGain = 0.01;
 
 // The point of the convex hull of up to kMostActive vectors that is nearest to the origin. It lies on a
 // corner, an edge or a triangle unless the origin is inside.
@@ -67,7 +55,7 @@ void LocalOperations::load_bases() {
 }
 
 double LocalOperations::quality_at(const Vector3d& x, double stop) {
-  double q = kInfinity;
+  double q = HUGE_VAL;
   for (std::size_t i = 0; i < bases_.size(); ++i) {
     const double here = bases_[i].weight * min_dihedral_sine(bases_[i].a, bases_[i].b, bases_[i].c, x);
     if (here >= q) continue;
@@ -79,6 +67,7 @@ double LocalOperations::quality_at(const Vector3d& x, double stop) {
   return q;
 }
 
+// One function, because each round uses all that the search for its direction has left.
 double LocalOperations::optimise(Vector3d& x, double q, int rounds) {
   struct Active {
     double log_sine;
@@ -91,13 +80,13 @@ double LocalOperations::optimise(Vector3d& x, double q, int rounds) {
   for (int round = 0; round < rounds; ++round) {
     all.clear();
     worst_of.clear();
-    double lowest = kInfinity;
+    double lowest = HUGE_VAL;
     for (const Base& f : bases_) {
       worst_of.push_back(f.weight * min_dihedral_sine(f.a, f.b, f.c, x));
       lowest = std::min(lowest, worst_of.back());
     }
     DihedralSines sines;
-    double least = kInfinity;
+    double least = HUGE_VAL;
     for (std::size_t i = 0; i < bases_.size(); ++i) {
       if (worst_of[i] > kFarFromWorst * lowest) continue;
       const Base& f = bases_[i];
@@ -137,12 +126,12 @@ double LocalOperations::optimise(Vector3d& x, double q, int rounds) {
       const double yy = y.norm();
       if (!(yy > 0) || !std::isfinite(yy)) continue;
       const Vector3d direction = y / yy;
-      double slope = kInfinity;
+      double slope = HUGE_VAL;
       for (int i = 0; i < n; ++i) slope = std::min(slope, active[i].dot(direction));
       if (!(slope > 1e-3 * yy)) continue;
 
       // Volumes are linear along the way: here the first one would be zero.
-      double end = kInfinity;
+      double end = HUGE_VAL;
       for (const Base& f : bases_) {
         const Vector3d normal = (f.b - f.a).cross(f.c - f.a);
         const double rate = normal.dot(direction);
@@ -217,7 +206,7 @@ bool LocalOperations::move_towards(Index v, const Vector3d& target) {
   const double before = worst(star_);
   const Vector3d from = mesh_.position(v);
   Vector3d best = from;
-  double reached = before * (1 + kLeastGain);
+  double reached = before * kAnyGain;
   for (double step = 1; step > 0.05; step *= 0.5) {
     const Vector3d x = from + step * (target - from);
     const double q = quality_at(x, reached);

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "kernels/parallel/parallel.h"
+#include "kernels/parallel/tuning.h"
 
 namespace overtet {
 
@@ -29,8 +30,6 @@ struct OtherCorners {
   }
 };
 constexpr OtherCorners kOther;
-
-constexpr std::int64_t kGrain = 4096;  // vertices
 
 void sort3(Index& a, Index& b, Index& c) {
   if (a > b) std::swap(a, b);
@@ -93,7 +92,7 @@ TetComplex::TetComplex(const VertexMatrix& V, const TetMatrix& T) {
       }
   }
   // A face has one smallest vertex, so no two blocks write the same neighbours.
-  parallel_for(n, kGrain, [&](std::int64_t from, std::int64_t to) {
+  parallel_for(n, kLightGrain, [&](std::int64_t from, std::int64_t to) {
     for (std::int64_t v = from; v < to; ++v) {
       const auto first = faces.begin() + begin[v], last = faces.begin() + begin[v + 1];
       std::sort(first, last, [](const Face& x, const Face& y) {

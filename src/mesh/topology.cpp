@@ -5,13 +5,12 @@
 
 #include "kernels/bvh/self_intersections.h"
 #include "kernels/parallel/parallel.h"
+#include "kernels/parallel/tuning.h"
 #include "kernels/predicates/predicates.h"
 
 namespace overtet {
 
 namespace {
-
-constexpr std::int64_t kGrain = 4096;  // vertices, faces
 
 std::string name(const char* what, Index i) { return std::string(what) + " " + std::to_string(i); }
 
@@ -80,7 +79,7 @@ class Checker {
     for (Index h = 0; h < half_edges; ++h) list[at[low(h)]++] = h;
     check_.topology.twin.assign(half_edges, -1);
     const auto wrong = parallel_collect<std::pair<Index, Index>>(
-        V_.rows(), kGrain,
+        V_.rows(), kLightGrain,
         [&](std::int64_t from, std::int64_t to, std::vector<std::pair<Index, Index>>& out) {
           for (std::int64_t v = from; v < to; ++v) {
             std::sort(list.begin() + begin[v], list.begin() + begin[v + 1],
@@ -240,7 +239,7 @@ Result<SurfaceTopology> require_topology(const Surface& surface) {
 
 std::vector<Index> degenerate_faces(const Surface& surface) {
   return parallel_collect<Index>(
-      surface.F.rows(), kGrain, [&](std::int64_t begin, std::int64_t end, std::vector<Index>& out) {
+      surface.F.rows(), kLightGrain, [&](std::int64_t begin, std::int64_t end, std::vector<Index>& out) {
         for (Index f = static_cast<Index>(begin); f < end; ++f) {
           const auto p = [&](int k) { return surface.V.data() + 3 * std::int64_t{surface.F(f, k)}; };
           if (collinear(p(0), p(1), p(2))) out.push_back(f);

@@ -1,26 +1,16 @@
 // LocalOperations: fewer bad tets at the cost of others that are bad anyway.
 #include <algorithm>
-#include <limits>
+#include <cmath>
 
 #include "kernels/tet_energy/tet_quality.h"
 #include "src/mesh/local_operations.h"
+#include "src/mesh/tuning.h"
 
 namespace overtet {
 
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// A change that saves less than this is not worth it. A new vertex costs a few tets.
-constexpr double kLeastSaving = 0.02, kLeastSavingOfVertex = 0.1;
-// Qualities that differ by less are equal: optimise() ends a hair below a floor that it keeps.
-constexpr double kSame = 1 - 1e-6;
-constexpr std::size_t kLargestCavity = 24;
-// A cavity for less than the goal first, so that the vertex finds its place.
-constexpr double kPartsOfGoal[] = {0.3, 0.7, 1};
-// So many bad tets are given up, one after the other, beginning with the worst or with the next one.
-constexpr int kMostGivenUp = 6, kFirstGivenUp = 2;
 
 }  // namespace
 
@@ -35,13 +25,13 @@ double LocalOperations::cheapest(Vector3d& x, const Price& price) {
   };
   const Vector3d from = x;
   double least = price_at(from);
-  for (int first = 0; first < kFirstGivenUp; ++first) {
+  for (const bool next_first : {false, true}) {
     Vector3d at = from;
     for (Base& b : bases_) b.weight = 1;
     for (int given_up = 0; given_up < kMostGivenUp; ++given_up) {
       // The worst that is not given up yet; the first time the next one after it.
       Base *worst = nullptr, *next = nullptr;
-      double q = kInfinity, q_next = kInfinity;
+      double q = HUGE_VAL, q_next = HUGE_VAL;
       int bad = 0;
       for (Base& b : bases_) {
         const double here = quality_of_base(b, at);
@@ -57,7 +47,7 @@ double LocalOperations::cheapest(Vector3d& x, const Price& price) {
           next = &b;
         }
       }
-      if (given_up == 0 && first == 1) worst = next;
+      if (given_up == 0 && next_first) worst = next;
       if (worst == nullptr) break;
       worst->weight = price.goal / worst->floor;
       optimise(at, quality_at(at, 0), 6);
@@ -83,7 +73,7 @@ bool LocalOperations::smooth_cheaper(Index v, const Price& price) {
   Vector3d x = mesh_.position(v);
   if (!(cheapest(x, price) < before - kLeastSaving)) return false;
   for (const Base& b : bases_)
-    if (min_dihedral_sine(b.a, b.b, b.c, x) < kSame * b.floor) return false;
+    if (min_dihedral_sine(b.a, b.b, b.c, x) < kSameQuality * b.floor) return false;
   mesh_.move(v, x);
   refresh(star_);
   changed_ = star_;
@@ -104,13 +94,13 @@ bool LocalOperations::collapse_cheaper(Index v, Index w, const Price& price) {
     c[mesh_.corner(t, v)] = w;
     left -= price(quality_of(c[0], c[1], c[2], c[3]));
   }
-  return left > 0 && collapse(v, w, kSame * floor);
+  return left > 0 && collapse(v, w, kSameQuality * floor);
 }
 
 bool LocalOperations::insert_cheaper_near(Index t, const Vector3d& start, const Price& price) {
   Vector3d x = start;
-  for (const double part : kPartsOfGoal) {
-    const double q = grow_cavity(t, x, part * price.goal, kLargestCavity, false);
+  for (const double part : kPartsOfAim) {
+    const double q = grow_cavity(t, x, part * price.goal, kLargestCavity, Judged::inside);
     if (!(q > 0)) return false;
     optimise(x, q, 4);
   }
@@ -123,7 +113,7 @@ bool LocalOperations::insert_cheaper_near(Index t, const Vector3d& start, const 
     now += price(min_dihedral_sine(b.a, b.b, b.c, x));
   }
   if (now > before) return false;  // giving up some seldom makes up for it
-  return cheapest(x, price) < before - kLeastSavingOfVertex && quality_at(x, 0) >= kSame * floor &&
+  return cheapest(x, price) < before - kLeastSavingOfVertex && quality_at(x, 0) >= kSameQuality * floor &&
          fill(cavity_, x);
 }
 

@@ -12,26 +12,15 @@
 #include "kernels/laplacian/laplacian.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/sparse/cholesky.h"
+#include "src/reverse_flow/tuning.h"
 
 namespace overtet {
 
 namespace {
 
-constexpr const char* kStage = "reverse_flow";
-// A contact's relative distance is not taken below this: the barrier's curvature grows as 1/x^2, and
-// beyond 1e9 times the surface's own stiffness the factor loses what it knows about the surface.
-constexpr double kSmallestRelativeDistance = 1e-4;
-// A matrix that rounding has made indefinite gets this much more mass, again and again.
-constexpr double kMoreMass = 1e3;
-constexpr int kMoreMassTries = 4;
-// Steps in a row in which nothing moved at all: the stage has locked and will not come free.
-constexpr int kStandstill = 3;
-constexpr double kMassFloor = 1e-10;  // relative to the mean mass of a vertex
-
 // Mean length of the edges at each vertex, and not less than a small part of the overall mean: collapsed
 // rest states must not switch the barrier off.
 Eigen::VectorXd mean_edges(const VertexMatrix& W, const TriangleMatrix& F) {
-  constexpr double kFloor = 1e-4;
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(W.rows()), count = Eigen::VectorXd::Zero(W.rows());
   for (Eigen::Index f = 0; f < F.rows(); ++f) {
     for (int k = 0; k < 3; ++k) {
@@ -42,7 +31,7 @@ Eigen::VectorXd mean_edges(const VertexMatrix& W, const TriangleMatrix& F) {
     }
   }
   const double mean = sum.sum() / std::max(1.0, count.sum());
-  return (sum.array() / count.array().max(1.0)).max(kFloor * mean).matrix();
+  return (sum.array() / count.array().max(1.0)).max(kEdgeFloor * mean).matrix();
 }
 
 // The mesh of all faces with a free vertex, with numbers of its own: linear algebra sees only that.
@@ -176,7 +165,8 @@ class Reverse {
     began_ = std::chrono::steady_clock::now();
   }
 
-  // One rest shape. False: out of time or locked, U is what there is.
+  // One rest shape. False: out of time or locked, U is what there is. One function, because a step is one
+  // system from its first entry to the end of the line search.
   Result<bool> stage(const VertexMatrix& W, int iterations, int number, int stages, VertexMatrix& U) {
     const Index n = static_cast<Index>(local_.row_vertex.size());
     const Eigen::VectorXd h = mean_edges(W, s_.F);
@@ -193,7 +183,7 @@ class Reverse {
     Eigen::VectorXd mass(n);
     for (Index i = 0; i < n; ++i)
       mass[i] =
-          std::max(mass_all[local_.row_vertex[i]] / total, kMassFloor / s_.V.rows()) / (o_.eps * o_.eps);
+          std::max(mass_all[local_.row_vertex[i]] / total, kAreaFloor / s_.V.rows()) / (o_.eps * o_.eps);
 
     VertexMatrix before = U;  // the state before U, for inertia
     VertexMatrix force = VertexMatrix::Zero(n, 3);
@@ -261,7 +251,7 @@ class Reverse {
       result_.rollbacks += record.held;
       result_.work += static_cast<double>(local_.F.rows() + record.contacts) * (1 + record.halvings);
       ++result_.iterations;
-      context_.report(kStage, (number + static_cast<double>(iteration) / iterations) / stages,
+      context_.report("reverse_flow", (number + static_cast<double>(iteration) / iterations) / stages,
                       std::to_string(record.contacts) + " contacts");
       struggling = record.halvings >= o_.lock_halvings ? struggling + 1 : 0;
       if (struggling >= o_.lock_iterations) {
@@ -345,14 +335,13 @@ class Reverse {
   // Scales P down at the offenders, less and less over the rings around them.
   void ramp(const ContactMesh& mesh, const std::vector<std::pair<Index, double>>& offenders,
             VertexMatrix& P) const {
-    constexpr double kLeast = 1.0 / 16, kMost = 0.7;
     std::vector<Index> layer, next;
-    std::vector<int> reached(free_.size(), -1);       // in which ring
-    std::vector<double> source(free_.size(), kMost);  // the smallest factor of the offenders it came from
+    std::vector<int> reached(free_.size(), -1);           // in which ring
+    std::vector<double> source(free_.size(), kMostRamp);  // the smallest factor of the offenders it came from
     for (const auto& [v, safe] : offenders) {
       layer.push_back(v);
       reached[v] = 0;
-      source[v] = std::clamp(0.8 * safe, kLeast, kMost);
+      source[v] = std::clamp(0.8 * safe, kLeastRamp, kMostRamp);
     }
     for (int ring = 0; ring <= o_.ramp_rings && !layer.empty(); ++ring) {
       next.clear();
@@ -381,12 +370,11 @@ class Reverse {
     std::vector<char> pinned(n, 0);
     // Stiff enough to hold a vertex to rounding; its step is then set to zero exactly.
     const double stiff = 1e10 * system.base().diagonal().cwiseAbs().maxCoeff();
-    constexpr int kRounds = 30;
     for (int round = 0;; ++round) {
       const std::vector<ContactMesh::Hit> hits = mesh.check_step(U, P);
       if (hits.empty()) return true;
       ++record.halvings;
-      if (round == kRounds || context_.stop()) {
+      if (round == kPinRounds || context_.stop()) {
         P.setZero();
         return true;
       }

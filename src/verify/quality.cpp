@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "kernels/parallel/parallel.h"
+#include "kernels/parallel/tuning.h"
+#include "src/verify/tuning.h"
 #include "src/verify/verify.h"
 
 namespace overtet {
@@ -15,13 +17,11 @@ namespace {
 // The value at place `nth` of the sorted list, all values in [-1, 1]: counted by all threads into bins, and
 // only the bin that holds it is looked through.
 float nth_smallest(const std::vector<float>& values, std::size_t nth) {
-  constexpr std::int64_t kGrain = 1 << 17;
-  constexpr int kBins = 2048;
   using Counts = std::array<std::int64_t, kBins>;
   const auto bin = [](float x) { return std::clamp(static_cast<int>((x + 1) * (kBins / 2)), 0, kBins - 1); };
   const std::int64_t n = static_cast<std::int64_t>(values.size());
   const Counts counts = parallel_reduce(
-      n, kGrain, Counts{},
+      n, 32 * kLightGrain, Counts{},
       [&](std::int64_t begin, std::int64_t end) {
         Counts c{};
         for (std::int64_t i = begin; i < end; ++i) ++c[static_cast<std::size_t>(bin(values[i]))];
@@ -35,8 +35,8 @@ float nth_smallest(const std::vector<float>& values, std::size_t nth) {
   std::int64_t before = 0;
   while (before + counts[static_cast<std::size_t>(at)] <= static_cast<std::int64_t>(nth))
     before += counts[static_cast<std::size_t>(at++)];
-  std::vector<float> inside =
-      parallel_collect<float>(n, kGrain, [&](std::int64_t begin, std::int64_t end, std::vector<float>& out) {
+  std::vector<float> inside = parallel_collect<float>(
+      n, 32 * kLightGrain, [&](std::int64_t begin, std::int64_t end, std::vector<float>& out) {
         for (std::int64_t i = begin; i < end; ++i)
           if (bin(values[i]) == at) out.push_back(values[i]);
       });
@@ -48,7 +48,6 @@ float nth_smallest(const std::vector<float>& values, std::size_t nth) {
 }  // namespace
 
 TetQuality tet_quality(const TetMesh& mesh) {
-  constexpr std::int64_t kGrain = 1 << 14;
   TetQuality q;
   q.tets = mesh.T.rows();
   if (q.tets == 0) return q;
@@ -80,9 +79,10 @@ TetQuality tet_quality(const TetMesh& mesh) {
     }
     return x;
   };
-  const Extremes all = parallel_reduce(q.tets, kGrain, Extremes{}, block, [](Extremes a, const Extremes& b) {
-    return Extremes{std::min(a.low, b.low), std::max(a.high, b.high), a.volume + b.volume};
-  });
+  const Extremes all =
+      parallel_reduce(q.tets, 4 * kLightGrain, Extremes{}, block, [](Extremes a, const Extremes& b) {
+        return Extremes{std::min(a.low, b.low), std::max(a.high, b.high), a.volume + b.volume};
+      });
   const auto degrees = [](double cosine) { return std::acos(cosine) * 180 / std::numbers::pi; };
   q.dihedral_p01 = degrees(nth_smallest(cosines, cosines.size() - 1 - cosines.size() / 100));
   q.dihedral_min = degrees(all.high);

@@ -9,14 +9,13 @@
 
 #include "kernels/parallel/grouping.h"
 #include "kernels/parallel/parallel.h"
+#include "kernels/parallel/tuning.h"
 #include "kernels/predicates/predicates.h"
+#include "src/verify/tuning.h"
 
 namespace overtet {
 
 namespace {
-
-constexpr std::int64_t kTetGrain = 1 << 14, kVertexGrain = 1 << 11;
-constexpr std::size_t kNamed = 4;  // elements named in a message
 
 using Triple = std::array<Index, 3>;
 
@@ -379,6 +378,70 @@ std::string VerifyResult::summary() const {
   return s;
 }
 
+namespace {
+
+// R1. False: the numbers make no sense, and nothing more can be looked at. infinite: vertices.
+bool check_numbers(VerifyResult& r, const TetMesh& mesh, Finding& infinite) {
+  const auto vertices = static_cast<Index>(mesh.V.rows());
+  const auto tets = static_cast<Index>(mesh.T.rows());
+  const TetMatrix& T = mesh.T;
+  if (tets == 0) {
+    Finding none;
+    none.count = 1;
+    report(r, Rule::R1, none, "mesh has no tets");
+    return false;
+  }
+  Finding out_of_range, unused;
+  for (Index v = 0; v < vertices; ++v)
+    if (!mesh.V.row(v).allFinite()) infinite.add(v);
+  std::vector<char> used(static_cast<std::size_t>(vertices), 0);
+  for (Index t = 0; t < tets; ++t) {
+    bool good = true;
+    for (int k = 0; k < 4; ++k) good = good && T(t, k) >= 0 && T(t, k) < vertices;
+    if (!good) {
+      out_of_range.add(t);
+      continue;
+    }
+    for (int k = 0; k < 4; ++k) used[static_cast<std::size_t>(T(t, k))] = 1;
+  }
+  report(r, Rule::R1, infinite, "vertices have a coordinate that is not finite");
+  report(r, Rule::R1, out_of_range, "tets name a vertex that is not there");
+  if (out_of_range.count > 0) return false;
+  for (Index v = 0; v < vertices; ++v)
+    if (!used[static_cast<std::size_t>(v)]) unused.add(v);
+  report(r, Rule::R1, unused, "vertices belong to no tet");
+  return true;
+}
+
+// R2, R3. on_boundary: of each vertex.
+void compare_with_surface(VerifyResult& r, const Surface& surface, const TetMesh& mesh,
+                          const VerifyOptions& options, const std::vector<Triple>& boundary,
+                          const std::vector<char>& on_boundary) {
+  if (options.geometry_only) {
+    compare_boundary_points(r, surface, mesh.V, boundary);
+    return;
+  }
+  compare_vertices(r, surface, mesh, options.max_move);
+  compare_boundary(r, surface, boundary);
+  Finding added;
+  for (Index v = static_cast<Index>(surface.V.rows()); v < static_cast<Index>(mesh.V.rows()); ++v)
+    if (on_boundary[static_cast<std::size_t>(v)]) added.add(v);
+  report(r, Rule::R3, added, "added vertices lie on the boundary");
+}
+
+// R4. sign: of each tet.
+void report_signs(VerifyResult& r, const std::vector<signed char>& sign) {
+  Finding inverted, flat;
+  for (std::size_t t = 0; t < sign.size(); ++t) {
+    if (sign[t] < 0) inverted.add(static_cast<Index>(t));
+    if (sign[t] == 0) flat.add(static_cast<Index>(t));
+  }
+  report(r, Rule::R4, inverted, "tets are inverted");
+  report(r, Rule::R4, flat, "tets are flat");
+}
+
+}  // namespace
+
 VerifyResult verify(const Surface& surface, const TetMesh& mesh, const VerifyOptions& options,
                     const RunContext& context) {
   VerifyResult r;
@@ -394,32 +457,8 @@ VerifyResult verify(const Surface& surface, const TetMesh& mesh, const VerifyOpt
     return !r.complete;
   };
 
-  // R1
-  if (tets == 0) {
-    Finding none;
-    none.count = 1;
-    report(r, Rule::R1, none, "mesh has no tets");
-    return r;
-  }
-  Finding infinite, out_of_range, unused;
-  for (Index v = 0; v < vertices; ++v)
-    if (!mesh.V.row(v).allFinite()) infinite.add(v);
-  std::vector<char> used(static_cast<std::size_t>(vertices), 0);
-  for (Index t = 0; t < tets; ++t) {
-    bool good = true;
-    for (int k = 0; k < 4; ++k) good = good && T(t, k) >= 0 && T(t, k) < vertices;
-    if (!good) {
-      out_of_range.add(t);
-      continue;
-    }
-    for (int k = 0; k < 4; ++k) used[static_cast<std::size_t>(T(t, k))] = 1;
-  }
-  report(r, Rule::R1, infinite, "vertices have a coordinate that is not finite");
-  report(r, Rule::R1, out_of_range, "tets name a vertex that is not there");
-  if (out_of_range.count > 0) return r;
-  for (Index v = 0; v < vertices; ++v)
-    if (!used[static_cast<std::size_t>(v)]) unused.add(v);
-  report(r, Rule::R1, unused, "vertices belong to no tet");
+  Finding infinite;
+  if (!check_numbers(r, mesh, infinite)) return r;
   if (stopped()) return r;
 
   // R4 first: R6 is a question for positive tets.
@@ -429,7 +468,7 @@ VerifyResult verify(const Surface& surface, const TetMesh& mesh, const VerifyOpt
   bool positive = infinite.count == 0;
   if (positive)
     positive = parallel_reduce(
-        tets, kTetGrain, true,
+        tets, kLightGrain, true,
         [&](std::int64_t begin, std::int64_t end) {
           bool all = true;
           for (std::int64_t t = begin; t < end; ++t) {
@@ -451,9 +490,9 @@ VerifyResult verify(const Surface& surface, const TetMesh& mesh, const VerifyOpt
   });
   if (stopped()) return r;
   std::vector<char> on_boundary(static_cast<std::size_t>(vertices), 0);
-  std::vector<Stars> blocks(static_cast<std::size_t>((vertices + kVertexGrain - 1) / kVertexGrain));
-  parallel_for(vertices, kVertexGrain, [&](std::int64_t begin, std::int64_t end) {
-    Stars& block = blocks[static_cast<std::size_t>(begin / kVertexGrain)];
+  std::vector<Stars> blocks(static_cast<std::size_t>((vertices + kLightGrain - 1) / kLightGrain));
+  parallel_for(vertices, kLightGrain, [&](std::int64_t begin, std::int64_t end) {
+    Stars& block = blocks[static_cast<std::size_t>(begin / kLightGrain)];
     Star star;
     for (std::int64_t v = begin; v < end; ++v)
       block.read(T, x, positive, static_cast<Index>(v), star_tets.data() + star_begin[v],
@@ -463,31 +502,11 @@ VerifyResult verify(const Surface& surface, const TetMesh& mesh, const VerifyOpt
   for (const Stars& block : blocks) stars.append(block);
   if (stopped()) return r;
 
-  // R2, R3
   r.boundary_faces = static_cast<std::int64_t>(stars.boundary.size());
-  if (options.geometry_only) {
-    compare_boundary_points(r, surface, mesh.V, stars.boundary);
-  } else {
-    compare_vertices(r, surface, mesh, options.max_move);
-    compare_boundary(r, surface, stars.boundary);
-    Finding added;
-    for (Index v = static_cast<Index>(surface.V.rows()); v < vertices; ++v)
-      if (on_boundary[static_cast<std::size_t>(v)]) added.add(v);
-    report(r, Rule::R3, added, "added vertices lie on the boundary");
-  }
+  compare_with_surface(r, surface, mesh, options, stars.boundary, on_boundary);
   if (stopped()) return r;
 
-  // R4
-  if (!positive && infinite.count == 0) {
-    Finding inverted, flat;
-    for (Index t = 0; t < tets; ++t) {
-      if (sign[static_cast<std::size_t>(t)] < 0) inverted.add(t);
-      if (sign[static_cast<std::size_t>(t)] == 0) flat.add(t);
-    }
-    report(r, Rule::R4, inverted, "tets are inverted");
-    report(r, Rule::R4, flat, "tets are flat");
-  }
-
+  if (!positive && infinite.count == 0) report_signs(r, sign);
   // R5, R6
   report(r, Rule::R5, stars.crowded, "faces are shared by more than two tets");
   report(r, Rule::R5, stars.same_side, "shared faces have both tets on the same side");

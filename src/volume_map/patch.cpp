@@ -6,22 +6,17 @@
 #include <map>
 
 #include "kernels/parallel/parallel.h"
+#include "kernels/parallel/tuning.h"
 #include "kernels/predicates/predicates.h"
 #include "kernels/tet_energy/tet_energy.h"
 #include "src/volume_map/potential.h"
+#include "src/volume_map/tuning.h"
 
 namespace overtet::volume_map_detail {
 
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kArmijo = 1e-4;
-constexpr int kHalvings = 14, kExactHalvings = 6;
-constexpr std::int64_t kGrain = 256;      // tets
-constexpr std::size_t kBuffered = 8192;   // tets whose Hessians are made at a time
-constexpr double kTetWork = 100;          // of a tet in a step, in entries of a factor
-constexpr double kRegularization = 1e-9;  // of the Hessian's diagonal
 
 }  // namespace
 
@@ -142,7 +137,7 @@ std::vector<double> PatchNewton::weights(const PatchForces& forces) const {
 double PatchNewton::energy_at(const PatchForces& forces, const std::vector<double>& weights,
                               const std::vector<Vector3d>& at) const {
   double sum = parallel_reduce(
-      static_cast<std::int64_t>(tets_.size()), kGrain, 0.0,
+      static_cast<std::int64_t>(tets_.size()), kMediumGrain, 0.0,
       [&](std::int64_t begin, std::int64_t end) {
         double part = 0;
         for (std::int64_t i = begin; i < end; ++i) {
@@ -170,14 +165,14 @@ double PatchNewton::energy(const PatchForces& forces) const {
   return energy_at(forces, weights(forces), at_);
 }
 
-bool PatchNewton::all_positive(const std::vector<Vector3d>& to, bool on_the_way) const {
+bool PatchNewton::all_positive(const std::vector<Vector3d>& to, Moment when) const {
   const auto both = [](bool a, bool b) { return a && b; };
   return parallel_reduce(
-      static_cast<std::int64_t>(tets_.size()), kGrain, true,
+      static_cast<std::int64_t>(tets_.size()), kMediumGrain, true,
       [&](std::int64_t begin, std::int64_t end) {
         for (std::int64_t i = begin; i < end; ++i) {
           const Corners& c = tets_[i];
-          if (on_the_way) {
+          if (when == Moment::on_the_way) {
             const Vector3d before[4] = {at_[c[0]], at_[c[1]], at_[c[2]], at_[c[3]]};
             const Vector3d after[4] = {to[c[0]], to[c[1]], to[c[2]], to[c[3]]};
             if (!positive_on_the_way(before, after)) return false;
@@ -257,7 +252,7 @@ double PatchNewton::assemble(const PatchForces& forces, const std::vector<double
   std::vector<TetEnergy> buffer(std::min(kBuffered, tets_.size()));
   for (std::size_t first = 0; first < tets_.size(); first += kBuffered) {
     const std::size_t n = std::min(kBuffered, tets_.size() - first);
-    parallel_for(static_cast<std::int64_t>(n), kGrain / 4, [&](std::int64_t begin, std::int64_t end) {
+    parallel_for(static_cast<std::int64_t>(n), kMediumGrain / 4, [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t i = begin; i < end; ++i) {
         const Corners& c = tets_[first + static_cast<std::size_t>(i)];
         shape_energy(at_[c[0]], at_[c[1]], at_[c[2]], at_[c[3]], 1, 0, buffer[i]);
@@ -268,7 +263,7 @@ double PatchNewton::assemble(const PatchForces& forces, const std::vector<double
       const Corners& c = tets_[first + i];
       part += e.value;
       if (!std::isfinite(part)) return part;
-      if ((first + i + 1) % kGrain == 0) energy += part, part = 0;  // bracketed as energy_at() does
+      if ((first + i + 1) % kMediumGrain == 0) energy += part, part = 0;  // bracketed as energy_at() does
       for (int k = 0; k < 4; ++k) {
         if (!is_free(c[k])) continue;
         gradient_.segment<3>(3 * c[k]) += e.gradient.segment<3>(3 * k);
@@ -321,7 +316,7 @@ bool PatchNewton::step(const PatchForces& forces) {
   if (free_ == 0) return false;
   if (!analyzed_ && !analyze()) return false;
   analyzed_ = true;
-  work_ += factor_.factor_entries() + kTetWork * static_cast<double>(tets_.size());
+  work_ += factor_.factor_entries() + kTetCost * static_cast<double>(tets_.size());
   const std::vector<double> weights = this->weights(forces);
   const double energy = assemble(forces, weights);
   if (!std::isfinite(energy) || !factor_.factor(hessian_)) return false;
@@ -337,12 +332,14 @@ bool PatchNewton::step(const PatchForces& forces) {
   for (; halving < kHalvings; ++halving, part *= 0.5) {
     for (Index i = 0; i < free_; ++i)
       for (int k = 0; k < 3; ++k) to[i][k] = at_[i][k] + part * direction(3 * i + k, 0);
-    if (all_positive(to, true) && energy_at(forces, weights, to) <= energy + kArmijo * part * slope) break;
+    if (all_positive(to, Moment::on_the_way) &&
+        energy_at(forces, weights, to) <= energy + kArmijo * part * slope)
+      break;
   }
   if (halving == kHalvings) return false;
   // Exact positivity decides; rounding may say no at the end of a good way: go half of it.
-  for (halving = 0; !all_positive(to, false); ++halving) {
-    if (halving == kExactHalvings) return false;
+  for (halving = 0; !all_positive(to, Moment::at_the_end); ++halving) {
+    if (halving == kHalvings) return false;
     for (Index i = 0; i < free_; ++i) to[i] = 0.5 * (to[i] + at_[i]);
   }
   at_ = std::move(to);

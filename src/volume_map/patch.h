@@ -46,7 +46,8 @@ struct PatchForces {
 };
 
 // Newton steps on one patch, on a copy of its part of the mesh: patches that share no tet may be stepped by
-// several threads at the same time. The work inside a step is shared out as well; same bytes on any number.
+// several threads at the same time. (Many members: what stays the same from step to step.) The work inside a
+// step is shared out as well; same bytes on any number.
 class PatchNewton {
  public:
   // target: of the boundary vertices (the first rows); length: per vertex, the unit of distances.
@@ -85,7 +86,8 @@ class PatchNewton {
   double energy_at(const PatchForces& forces, const std::vector<double>& weights,
                    const std::vector<Eigen::Vector3d>& at) const;
   std::vector<double> weights(const PatchForces& forces) const;
-  bool all_positive(const std::vector<Eigen::Vector3d>& to, bool on_the_way) const;
+  enum class Moment { on_the_way, at_the_end };
+  bool all_positive(const std::vector<Eigen::Vector3d>& to, Moment when) const;
 
   const Patch& patch_;
   const VertexMatrix& target_;

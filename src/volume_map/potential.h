@@ -5,12 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-namespace overtet::volume_map_detail {
+#include "src/volume_map/tuning.h"
 
-// At the reach the pull is so much stronger than in proportion; and so much at most. It grows with this power
-// of the squared distance.
-constexpr double kFarPull = 10, kMostFarPull = 1e4;
-constexpr int kFarPower = 8;
+namespace overtet::volume_map_detail {
 
 // What a squared distance costs, and its first two derivatives by the squared distance.
 struct Potential {

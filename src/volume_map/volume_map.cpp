@@ -11,7 +11,9 @@
 #include "kernels/tet_energy/tet_energy.h"
 #include "kernels/tet_energy/tet_quality.h"
 #include "src/mesh/local_operations.h"
+#include "src/mesh/tuning.h"
 #include "src/volume_map/patch.h"
+#include "src/volume_map/tuning.h"
 
 namespace overtet {
 
@@ -19,25 +21,6 @@ namespace {
 
 using Eigen::Vector3d;
 using namespace volume_map_detail;
-
-// Local remeshing looks at tets below this smallest dihedral sine.
-constexpr double kRemeshBelow = 0.3;
-// Angles closer to their goals than this are on the right branch (half a turn apart would be pi).
-constexpr double kBranchReached = 2.5;
-// Surface rings around wound edges whose angles are driven, and that are free, in the branch stage.
-constexpr int kGoalRings = 1, kBranchRings = 4;
-constexpr int kBranchRefinements = 2;
-// Vertices; a factor of three times as many rows takes about 10 s and 4 GB.
-constexpr std::size_t kLargestPatch = 30000;
-// In mean edges.
-constexpr double kSnapReach = 0.5, kFar = 1;
-constexpr int kNewtonSteps = 4;
-// Spreading: the part of what is allowed that is aimed at; the first force; rings that may move.
-constexpr double kWithin = 0.95, kSpreadPull = 3;
-constexpr int kSpreadRings = 8;
-// Spreading ends when, going on as in the last so many rounds, it would not come to what is allowed.
-constexpr std::size_t kSpreadCourse = 8;
-constexpr double kTurnTolerance = 1;  // radians, around an interior edge; a wrong one is off by 2 pi
 
 double seconds_since(RunContext::Clock::time_point t) {
   return std::chrono::duration<double>(RunContext::Clock::now() - t).count();
@@ -52,6 +35,7 @@ double surface_angle(const Vector3d& a, const Vector3d& b, const Vector3d& c, co
   return angle > 0 ? angle : angle + 2 * M_PI;
 }
 
+// One map on its way. Its many members are what all rounds share.
 class Mapper {
  public:
   Mapper(const TetMesh& mesh, const VertexMatrix& target, std::span<const WoundEdge> wound,
@@ -98,7 +82,7 @@ class Mapper {
     }
     wound_ = !wound.empty();
     // Rings on the surface around the wound edges.
-    near_wound_.assign(nb_, 1 << 20);
+    near_wound_.assign(nb_, kBranchRings + 1);
     for (const WoundEdge& w : wound) near_wound_[w.a] = near_wound_[w.b] = 0;
     for (int ring = 0; ring < kBranchRings; ++ring)
       for (const auto& f : surface_)
@@ -182,7 +166,8 @@ class Mapper {
   }
 
   // Splits the star of a vertex that resists: edges opposite to it, or edges at it.
-  Index refine(LocalOperations& work, Index v, bool radial) {
+  enum class Edges { opposite, radial };
+  Index refine(LocalOperations& work, Index v, Edges which) {
     std::vector<Index> star;
     mesh_.star(v, star);
     std::vector<std::array<Index, 2>> edges;
@@ -190,7 +175,7 @@ class Mapper {
       const auto& c = mesh_.tet(t);
       for (int i = 0; i < 4; ++i)
         for (int j = i + 1; j < 4; ++j)
-          if ((c[i] == v || c[j] == v) == radial)
+          if ((c[i] == v || c[j] == v) == (which == Edges::radial))
             edges.push_back({std::min(c[i], c[j]), std::max(c[i], c[j])});
     }
     std::sort(edges.begin(), edges.end());
@@ -213,7 +198,7 @@ class Mapper {
     });
     // Nor may a vertex go while a neighbour is far.
     std::vector<char> held(nb_, 0);
-    if (reach < 1e300)
+    if (reach < HUGE_VAL)
       for (const auto& f : surface_)
         for (const Index v : f)
           if (distance(v) > kFar)
@@ -272,6 +257,7 @@ class Mapper {
     return any;
   }
 
+  // One function: the two stages, for the branch and for the distance, take the same rounds.
   Status pull() {
     std::vector<Index> list = away();
     result_.away_at_start = static_cast<Index>(list.size());
@@ -281,7 +267,7 @@ class Mapper {
     int stalled = 0, refinements = 0;
     bool branch_stage = wound_;
     int branch_rounds = 0;
-    double last_distances = 1e300;
+    double last_distances = HUGE_VAL;
     for (int round = 0; !list.empty(); ++round) {
       if (auto error = context_.stop()) return *error;
       if (round >= options_.rounds || spent()) return locked(list);
@@ -325,7 +311,7 @@ class Mapper {
       if (auto stop = context_.stop()) return *stop;
       for (const Patch& patch : patches) remesh(work, patch);
       VolumeMapRound record;
-      if (!branch_stage) snap(work, list, refinements > 0 ? 1e300 : kSnapReach);
+      if (!branch_stage) snap(work, list, refinements > 0 ? HUGE_VAL : kSnapReach);
       record.away = static_cast<Index>(list.size());
       record.farthest = list.empty() ? 0 : distance(farthest(list));
       record.pull = branch_stage ? options_.branch_pull : force;
@@ -348,8 +334,9 @@ class Mapper {
             if ((may_move[g.a] || may_move[g.b]) &&
                 std::min(near_wound_[g.a], near_wound_[g.b]) <= kGoalRings &&
                 std::fabs(interior_angle(mesh_, g.a, g.b) - g.angle) > kBranchReached) {
-              result_.refinements += refine(work, g.a, branch_rounds % 8 == 0);
-              result_.refinements += refine(work, g.b, branch_rounds % 8 == 0);
+              const Edges which = branch_rounds % 8 == 0 ? Edges::radial : Edges::opposite;
+              result_.refinements += refine(work, g.a, which);
+              result_.refinements += refine(work, g.b, which);
             }
         continue;
       }
@@ -363,7 +350,8 @@ class Mapper {
       if (stalled >= 4 && refinements >= options_.refinements) {
         if (options_.largest_move == 0 || force >= options_.largest_pull) return locked(list);
       } else if (stalled >= 4) {
-        for (const Index v : list) result_.refinements += refine(work, v, refinements % 2 == 1);
+        for (const Index v : list)
+          result_.refinements += refine(work, v, refinements % 2 == 1 ? Edges::radial : Edges::opposite);
         ++refinements;
         stalled = 0;
         force = std::max(options_.first_pull, force / 200);
@@ -392,7 +380,7 @@ class Mapper {
     LocalOperations work(mesh_);
     for (int pass = 0; pass < 3; ++pass) {
       std::vector<Index> list = away();
-      if (snap(work, list, 1e300) == 0) break;
+      if (snap(work, list, HUGE_VAL) == 0) break;
     }
   }
 
@@ -512,7 +500,7 @@ class Mapper {
   std::vector<std::array<Index, 3>> surface_;
   std::vector<AngleGoal> goals_;
   bool wound_ = false;
-  std::vector<int> near_wound_;  // per surface vertex: rings from a wound edge, a large number beyond
+  std::vector<int> near_wound_;  // per surface vertex: rings from a wound edge, kBranchRings + 1 beyond
   VolumeMapResult result_;
   TetComplex before_locking_;  // a state of the pull with healthy tets
   TetComplex nearest_;         // what spreading has made of the start, where that is still too far

@@ -160,7 +160,7 @@ TEST(Lift, ManyPlacesOneAfterTheOther) {
   {
     TetComplex c(mesh.V, mesh.T);
     LocalOperations work(c);
-    improve_passes(work, {}, {}, false, 1e9, {});
+    improve_passes(work, {}, {}, Care::usual, 1e9, {});
     c.compact(mesh.surface_vertices);
     mesh = c.to_mesh(mesh.surface_vertices);
   }
@@ -268,7 +268,7 @@ TEST(Passes, TetsKnownToHaveResistedAreLeftAlone) {
   const auto changes = [&](const std::vector<char>& fresh) {
     TetComplex c(mesh.V, mesh.T);
     LocalOperations work(c);
-    const PassesResult r = improve_passes(work, fresh, options, false, 1e9, {});
+    const PassesResult r = improve_passes(work, fresh, options, Care::usual, 1e9, {});
     std::int64_t n = 0;
     for (const ImprovePass& p : r.passes)
       n += p.removed_edges + p.flips + p.smoothed + p.collapsed + p.inserted;

@@ -1,0 +1,122 @@
+// What can be chosen in this room, with units and reasons; ImproveOptions has what its users may choose.
+// Qualities are smallest dihedral sines.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+
+#include "src/mesh/tuning.h"
+
+namespace overtet {
+
+// Vertices with more tets than this do not spread a layer of what is around a place.
+constexpr int kLargestStar = 80;
+
+// --- Parts (improve.cpp) ---
+
+// A mesh that is cut at all is cut for the passes into so many parts at least: what they cost is known only
+// afterwards, and a thread that is done early finds another one.
+constexpr int kLeastParts = 8;
+// Refinement makes do with two: where nothing is inside yet, tets reach from one side to the other, and what
+// more cuts leave in between costs more than they save.
+constexpr int kRefineParts = 2;
+// Where more than this share of the tets is bad, cuts leave too much undone: fewer, larger parts then.
+constexpr double kMostlyBad = 0.5;
+// Tets in a part, at least: in a round around cuts, and in a look.
+constexpr std::int64_t kTetsAroundCuts = 3000, kTetsPerLook = 500;
+// What a tet that has to be worked on costs, in tets that have not.
+constexpr int kBadTetWeight = 15, kBadToRefineWeight = 10;
+// Cuts may be so far from where they give even parts, as a share of the whole. Of two parts one thread waits
+// for the other.
+constexpr double kSlack = 0.15, kSlackForTwo = 0.03;
+// Nothing is cut where parts that hang together differ by less than this factor.
+constexpr double kUneven = 1.3;
+// Layers of tets around a place that is looked at.
+constexpr int kLayers = 2;
+// The next round around cuts is the last one when it has more than this part of the tets of the one before.
+constexpr double kShrinks = 0.75;
+
+// --- Refinement (refine.cpp) ---
+
+// A pass that inserts fewer vertices than one for so many tets is the last one.
+constexpr std::int64_t kTetsPerVertex = 2000;
+// Refinement may at most multiply the tets by this.
+constexpr std::int64_t kRefinedGrowth = 5;
+// Below this quality (3 degrees) vertices inside are taken out where that helps.
+constexpr double kLooseQuality = 0.05;
+
+// --- Passes (passes.cpp) ---
+
+// A pass that leaves more than this part of the bad tets calls for stronger means.
+constexpr double kSlow = 0.9;
+// Qualities below this are hopeless for a while: thin layers grow by a factor per pass, they get more passes.
+constexpr double kThin = 1e-2;
+constexpr int kExtraPassesForThin = 40;
+// This many passes in a row that leave nearly all bad tets, with fewer collapses and insertions than one for
+// so many bad tets, are enough.
+constexpr int kIdlePasses = 3;
+constexpr std::int64_t kIdlePart = 10;
+// Factors. Smoothing and insertions that gain less cost more time and tets than they are worth.
+constexpr double kSmoothingPays = 1.05, kInsertionPays = 1.2;
+
+// --- Looks (improve.cpp) ---
+
+// Tets below this part of the target angle are looked at once more after the cuts, with all that is around
+// them. Those within a factor of the very worst are after that, by all means, as long as that lifts it by
+// another factor.
+constexpr double kLookAgain = 0.5;
+constexpr double kWorstOfAll = 1.5;
+constexpr double kLookPays = 1.05;
+constexpr int kMostLooks = 8;
+
+// --- Trades (improve.cpp, trade.cpp) ---
+
+// Where too many tets are bad, some may fall to this part of what is good. Then those below another part are
+// raised again, as far as that makes hardly any others bad: that much more they cost.
+constexpr double kMayFallTo = 0.47, kRaiseTo = 0.63, kSteep = 5;
+// All this leaves about half of the bad tets. Where there are so many times too many, it is not tried; where
+// it leaves too many, nothing has been gained by giving some up: it is not done then.
+constexpr double kHopeless = 2.5;
+// Of the goal, so that rounding does not matter; and of the share, as percentiles are interpolated.
+constexpr double kABitMore = 1.0005, kABitLess = 0.998;
+// A pass that changes fewer than one in so many bad tets is the last one.
+constexpr std::int64_t kTetsPerChange = 50;
+constexpr int kMostTradePasses = 8;
+
+// --- The worst places (worst_places.cpp) ---
+
+// Tets within this factor of the worst are mended with it.
+constexpr double kNearWorst = 2;
+// So many of the worst tets are taken out of the mesh with what is around them, so many layers.
+constexpr std::int64_t kMostPlaces = 12;
+constexpr int kRegionLayers = 5;
+// All is done in two ways, with so many layers around a tet that is worked on, and the better end is kept.
+constexpr int kPatchLayers[] = {2, 4};
+// A patch is done with when all of its tets are better than its worst tet was by this factor; it has got
+// better when its worst tet has by that one.
+constexpr double kGoal = 1.3, kBetter = 1.01;
+// A change for the worse may leave tets down to this part of the worst one's quality.
+constexpr double kChangeMayFallTo = 0.2;
+// How far towards the middle of its neighbours the vertex of a star that is built anew goes.
+constexpr double kTowardsMiddle[] = {0, 0.5, 1, 1.5};
+// What may be tried in a mesh with so many tets.
+struct Budget {
+  std::int64_t at_first, tets_per_more, most = std::numeric_limits<std::int64_t>::max();
+
+  constexpr std::int64_t of(std::int64_t tets) const {
+    return std::min(most, at_first + tets / tets_per_more);
+  }
+};
+// Attempts to mend a tet in vain by the dear means; successes; and changes made on walks (below).
+constexpr Budget kDear{40, 2000}, kLifts{60, 150}, kSteps{300, 300, 2000};
+// After one change: attempts by the dear means, and tets that are mended.
+constexpr int kDearPerChange = 3, kMostMends = 60;
+// Changes that are tried at the same time, by as many threads as there are.
+constexpr std::int64_t kTrials = 8;
+// Where no change helps: walks of so many chosen at random, each mended, for one tet; and draws until one can
+// be made.
+constexpr std::int64_t kWalks = 60;
+constexpr int kWalkLength = 4, kDraws = 8;
+
+}  // namespace overtet

@@ -1,0 +1,54 @@
+// What can be chosen in this room, with units and reasons. Qualities are smallest dihedral sines.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace overtet {
+
+// A change that gains less than this factor is rounding, and not worth it.
+constexpr double kAnyGain = 1.001;
+// Qualities that differ by less are equal: computed from other orders of the corners, or by a climb that ends
+// a hair below a floor that it keeps.
+constexpr double kSameQuality = 1 - 1e-6;
+// A cavity for a new vertex is found in steps, each for such a part of the quality that is aimed at, so that
+// the vertex finds its place meanwhile.
+constexpr double kPartsOfAim[] = {0.3, 0.7, 1};
+// Tets. Larger cavities seldom have a place for a vertex that makes good tets with all of their faces.
+constexpr std::size_t kLargestCavity = 20;
+// Tets. A walk towards a point may go round in circles where tets are not Delaunay.
+constexpr int kLongestWalk = 100;
+// Radians, about: a direction that passes an edge in a smaller angle may belong to either side.
+constexpr double kNearAnEdge = 1e-10;
+// Of the square of the radius of the smallest sphere through a boundary face: nearer vertices are not
+// inserted. (All of it leaves too few vertices near the boundary.)
+constexpr double kEncroaching = 0.5;
+
+// Functions within such a factor of the worst steer a climb together with it: tried in this order, all where
+// care is wanted.
+constexpr double kActiveFactor[] = {1.5, 1.1}, kAllFactors[] = {1.5, 1.1, 2.0, 1.25, 1.02};
+// Functions beyond this factor of the worst do not matter for a step.
+constexpr double kFarFromWorst = 4;
+// So many functions at most steer a climb: subsets of three are gone through.
+constexpr int kMostActive = 5;
+// Of a step: a thousandth of the way to where the first tet is flat.
+constexpr int kMostHalvings = 10;
+// A step is not tried where the linear model of the logarithm promises less than this, without care.
+constexpr double kLeastStepGain = 0.01;
+
+// In bad tets: a change that saves less is not worth it. A new vertex costs a few tets.
+constexpr double kLeastSaving = 0.02, kLeastSavingOfVertex = 0.1;
+// So many bad tets around a vertex are given up, one after the other.
+constexpr int kMostGivenUp = 6;
+
+// Tets around an edge that is removed: the time grows with the cube.
+constexpr int kLargestRing = 10;
+// Points of a polyhedron that is filled: bits of a word, and the time grows exponentially.
+constexpr int kMostPoints = 24;
+// Radians. Sums of angles around an edge are right up to rounding, or wrong by a whole turn.
+constexpr double kTurnTolerance = 1;
+
+// Along an axis: places where a cut through a mesh may be.
+constexpr int kPlaces = 64;
+
+}  // namespace overtet
