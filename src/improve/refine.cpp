@@ -15,7 +15,7 @@ std::int64_t refine(LocalOperations& work, double radius_edge, std::span<const c
   std::vector<char> hopeless(mesh.tet_capacity(), 0);  // tried in vain
   std::int64_t all = 0;
   const auto is_loose = [&](Index v) { return v < static_cast<Index>(loose.size()) && loose[v]; };
-  while (true) {
+  for (int pass = 0; pass < kMostRefinements; ++pass) {
     const std::vector<BadTet> bad = bad_tets(mesh, [&](Index t) -> std::optional<double> {
       const auto& c = mesh.tet(t);
       if (hopeless[t] || std::any_of(c.begin(), c.end(), is_loose)) return std::nullopt;

@@ -41,6 +41,8 @@ constexpr double kShrinks = 0.75;
 
 // A pass that inserts fewer vertices than one for so many tets is the last one.
 constexpr std::int64_t kTetsPerVertex = 2000;
+// Passes of the refinement; ten are many. So that nothing goes on for ever.
+constexpr int kMostRefinements = 40;
 // Refinement may at most multiply the tets by this.
 constexpr std::int64_t kRefinedGrowth = 5;
 // Below this quality (3 degrees) vertices inside are taken out where that helps.

@@ -92,7 +92,7 @@ bool LocalOperations::insert(Tets& cavity, const Vector3d& start, double gain) {
   if (!(q > 0)) return false;
   q = optimise(x, q, 3);
   // Take in the neighbour behind the face that makes the worst tet, as long as that helps.
-  while (cavity.size() < kLargestCavity) {
+  for (int growth = 0; growth < kMostGrowth && cavity.size() < kLargestCavity; ++growth) {
     double least = HUGE_VAL;
     Face at{};
     for (const Face& f : hull_) {
@@ -326,6 +326,7 @@ bool LocalOperations::insert_circumcentre(Index t) {
   const std::uint32_t inside = ++tet_stamp_, near = ++vertex_stamp_;
   tet_mark_[at] = inside;
   for (std::size_t i = 0; i < cavity_.size(); ++i) {
+    if (cavity_.size() > kLargestDelaunayCavity) return false;
     for (const Index v : mesh_.tet(cavity_[i])) {
       if (vertex_mark_[v] == near) continue;
       vertex_mark_[v] = near;

@@ -100,7 +100,7 @@ bool LocalOperations::collapse_cheaper(Index v, Index w, const Price& price) {
 bool LocalOperations::insert_cheaper_near(Index t, const Vector3d& start, const Price& price) {
   Vector3d x = start;
   for (const double part : kPartsOfAim) {
-    const double q = grow_cavity(t, x, part * price.goal, kLargestCavity, Judged::inside);
+    const double q = grow_cavity(t, x, part * price.goal, kLargestTradeCavity, Judged::inside);
     if (!(q > 0)) return false;
     optimise(x, q, 4);
   }

@@ -16,6 +16,14 @@ constexpr double kSameQuality = 1 - 1e-6;
 constexpr double kPartsOfAim[] = {0.3, 0.7, 1};
 // Tets. Larger cavities seldom have a place for a vertex that makes good tets with all of their faces.
 constexpr std::size_t kLargestCavity = 20;
+// Tets. A trade may take more of them apart: those that are bad anyway.
+constexpr std::size_t kLargestTradeCavity = 24;
+// Steps in which a cavity grows; more seldom lead to a place.
+constexpr int kMostGrowth = 10;
+// Tets. Where a Delaunay cavity is larger, something is wrong with the walk to it.
+constexpr std::size_t kLargestDelaunayCavity = 20000;
+// Tets around a place that is filled anew: the time grows exponentially.
+constexpr std::size_t kMostTetsAround = 40;
 // Tets. A walk towards a point may go round in circles where tets are not Delaunay.
 constexpr int kLongestWalk = 100;
 // Radians, about: a direction that passes an edge in a smaller angle may belong to either side.
@@ -46,7 +54,7 @@ constexpr int kLargestRing = 10;
 // Points of a polyhedron that is filled: bits of a word, and the time grows exponentially.
 constexpr int kMostPoints = 24;
 // Radians. Sums of angles around an edge are right up to rounding, or wrong by a whole turn.
-constexpr double kTurnTolerance = 1;
+constexpr double kTurnTolerance = 1e-2;
 
 // Along an axis: places where a cut through a mesh may be.
 constexpr int kPlaces = 64;
