@@ -4,12 +4,13 @@
 #include <array>
 #include <cmath>
 #include <set>
-#include <string>
 #include <utility>
 
 #include "kernels/bvh/self_intersections.h"
+#include "src/certificates/facts.h"
 #include "src/covering/edge_parts.h"
 #include "src/covering/pierced_edge.h"
+#include "src/covering/wound_edges.h"
 #include "src/exact/exact.h"
 
 namespace overtet {
@@ -97,11 +98,7 @@ class Study {
   Result<WoundEdges> wound(const RunContext& context) const {
     return assign_wound_edges(s_, topology_, bvh_, hinges_, pierced_, context);
   }
-  int b0(Index v) const {
-    for (const Hinge& h : hinges_)
-      if (h.vertex == v) return h.B0.value_or(0);
-    return 0;
-  }
+  const std::vector<Hinge>& hinges() const { return hinges_; }
   Point at(Index v) const { return Point(s_.V.data() + 3 * std::int64_t{v}); }
   std::vector<Index> around(Index v) const { return half_edges_around(topology_, v); }
   const Surface& surface() const { return s_; }
@@ -206,18 +203,13 @@ std::vector<Direction> directions(const Study& study, Index v) {
   return out;
 }
 
-std::string explanation(Index vertex, int B0) {
-  return "No positive mesh exists: the part of the surface with vertex " + std::to_string(vertex) +
-         " (B0 = " + std::to_string(B0) +
-         " there) has none, and moved away from the others by as little as one likes, it gets nothing from "
-         "them that would help.";
-}
-
 }  // namespace
 
-Result<std::optional<WoundEdges>> find_apart(const Surface& surface, const SurfaceTopology& topology,
-                                             const std::vector<Hinge>& hinges, const RunContext& context) {
-  std::optional<WoundEdges> nothing;
+Result<std::optional<SeparatedCertificate>> find_separated_part(const Surface& surface,
+                                                                const SurfaceTopology& topology,
+                                                                const std::vector<Hinge>& hinges,
+                                                                const RunContext& context) {
+  std::optional<SeparatedCertificate> nothing;
   if (topology.components.size() < 2) return nothing;
   std::set<Index> components;
   for (const Hinge& h : hinges)
@@ -239,16 +231,14 @@ Result<std::optional<WoundEdges>> find_apart(const Surface& surface, const Surfa
         const double coordinates[3] = {static_cast<double>(d[0]), static_cast<double>(d[1]),
                                        static_cast<double>(d[2])};
         if (!holds(*conditions, rest, Point(coordinates))) continue;
-        WoundEdges out;
-        out.apart.emplace();
-        out.apart->direction = d;
+        SeparatedCertificate out;
+        out.direction = d;
         for (const Index v : group) {
-          out.unmet.push_back(own.vertex[v]);
-          out.apart->B0.push_back(study.b0(v));
+          out.vertices.push_back(own.vertex[v]);
+          out.B0.push_back(b0_of(study.hinges(), v));
         }
-        out.odd_groups.push_back(out.unmet);
-        out.explanation = explanation(out.unmet.front(), out.apart->B0.front());
-        return std::optional<WoundEdges>(std::move(out));
+        out.positions = positions_of(surface, out.vertices);
+        return std::optional(std::move(out));
       }
     }
   }

@@ -11,18 +11,20 @@
 #include <optional>
 #include <vector>
 
+#include "overtet/certificate.h"
 #include "overtet/result.h"
 #include "overtet/run_context.h"
 #include "overtet/types.h"
 #include "src/covering/hinges.h"
-#include "src/covering/wound_edges.h"
 #include "src/mesh/topology.h"
 
 namespace overtet {
 
-// What forbids a mesh, with WoundEdges::apart; none where nothing does. Looks at components with a hinge
-// whose integer is not defined. hinges: of the whole surface. Errors: limit or interrupted.
-Result<std::optional<WoundEdges>> find_apart(const Surface& surface, const SurfaceTopology& topology,
-                                             const std::vector<Hinge>& hinges, const RunContext& context);
+// None where nothing forbids a mesh like that. Looks at components with a hinge whose integer is not defined.
+// hinges: of the whole surface. Errors: limit or interrupted.
+Result<std::optional<SeparatedCertificate>> find_separated_part(const Surface& surface,
+                                                                const SurfaceTopology& topology,
+                                                                const std::vector<Hinge>& hinges,
+                                                                const RunContext& context);
 
 }  // namespace overtet

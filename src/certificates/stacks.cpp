@@ -34,7 +34,7 @@ class StackSearch {
   StackSearch(const Surface& surface, const TriangleBvh& bvh)
       : surface_(surface), rays_(surface.V, surface.F, bvh) {}
 
-  std::optional<StackWitness> look_at(const FacePair& pair) {
+  std::optional<StackCertificate> look_at(const FacePair& pair) {
     const auto [f, g] = pair;
     if (!coplanar(f, g)) return std::nullopt;
     const Vec n = rays_.normal(f);
@@ -121,7 +121,8 @@ class StackSearch {
 
   // Moves that take faces where the inside ends below those where it begins, if the winding number is
   // negative then.
-  std::optional<StackWitness> upset(Index f, const Point& q, const Vec& n, std::vector<Layer>& layers) const {
+  std::optional<StackCertificate> upset(Index f, const Point& q, const Vec& n,
+                                        std::vector<Layer>& layers) const {
     std::vector<Index> faces;
     int ends = 0;
     for (const Layer& layer : layers) {
@@ -135,7 +136,7 @@ class StackSearch {
     const Moves moves = moves_apart(layers);
     const int lowest = lowest_winding(layers, below.winding, moves);
     if (lowest >= 0) return std::nullopt;
-    StackWitness out;
+    StackCertificate out;
     out.face = f;
     out.point = q.near;
     for (int k = 0; k < 3; ++k) out.exact[k] = exact::fraction(q.x[k]);
@@ -179,9 +180,9 @@ class StackSearch {
 
 }  // namespace
 
-Result<std::optional<StackWitness>> find_stack_witness(const Surface& surface, const TriangleBvh& bvh,
-                                                       const std::vector<FacePair>& pairs,
-                                                       const RunContext& context) {
+Result<std::optional<StackCertificate>> find_stack_certificate(const Surface& surface, const TriangleBvh& bvh,
+                                                               const std::vector<FacePair>& pairs,
+                                                               const RunContext& context) {
   StackSearch search(surface, bvh);
   std::int64_t looked = 0;
   for (const FacePair& pair : pairs) {
@@ -189,7 +190,7 @@ Result<std::optional<StackWitness>> find_stack_witness(const Surface& surface, c
       if (auto stop = context.stop()) return *stop;
     if (auto found = search.look_at(pair)) return found;
   }
-  return std::optional<StackWitness>();
+  return std::optional<StackCertificate>();
 }
 
 }  // namespace overtet

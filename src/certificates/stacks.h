@@ -9,32 +9,22 @@
 // surface is the usual case.
 #pragma once
 
-#include <array>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "kernels/bvh/self_intersections.h"
+#include "overtet/certificate.h"
 #include "overtet/result.h"
 #include "overtet/run_context.h"
 #include "overtet/types.h"
 
 namespace overtet {
 
-struct StackWitness {
-  Index face = -1;                   // n is its normal, (b - a) x (c - a)
-  std::array<double, 3> point{};     // q, the nearest doubles
-  std::array<std::string, 3> exact;  // q itself, as integers or fractions
-  std::vector<Index> vertices;       // those that move, sorted
-  std::vector<int> moves;            // m_v of each
-  int winding = 0;                   // < 0, between the faces after the moves
-};
-
 // Looks at one or a few points of every pair of coplanar faces that overlap; none found is no proof.
 // pairs: all intersecting pairs of the surface, sorted.
 // pre: every face has an area. Errors: limit or interrupted only.
-Result<std::optional<StackWitness>> find_stack_witness(const Surface& surface, const TriangleBvh& bvh,
-                                                       const std::vector<FacePair>& pairs,
-                                                       const RunContext& context);
+Result<std::optional<StackCertificate>> find_stack_certificate(const Surface& surface, const TriangleBvh& bvh,
+                                                               const std::vector<FacePair>& pairs,
+                                                               const RunContext& context);
 
 }  // namespace overtet

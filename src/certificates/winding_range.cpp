@@ -209,12 +209,12 @@ class PairStudy {
 };
 
 // The point half-way from the wedge's corner to the next crossing, or a little way when there is none.
-std::optional<WindingWitness> make_witness(const Rays& rays, const Wedge& wedge) {
+std::optional<WindingCertificate> make_witness(const Rays& rays, const Wedge& wedge) {
   const Point start(wedge.start), direction(wedge.direction);
   const RayCount ray = rays.count(start, direction, nullptr, wedge.skip, true);
   if (ray.status != RayStatus::counted) return std::nullopt;
   Rational step = ray.nearest ? *ray.nearest / 2 : Rational(1);
-  WindingWitness out;
+  WindingCertificate out;
   // Short numbers where the region is wide enough: the nearest doubles, else the exact fraction.
   const Point exact_point(wedge.start + step * wedge.direction);
   out.point = exact_point.near;
@@ -317,7 +317,6 @@ Result<WindingRange> find_winding_range(const Surface& surface, const SurfaceTop
   for (std::size_t tries = 0; tries < order.size(); ++tries) {
     auto witness = make_witness(rays, negative[order[tries]]);
     if (!witness) continue;
-    if (negative_pair[order[tries]].first >= 0) witness->pair = negative_pair[order[tries]];
     if (!out.witness || (witness->doubles_suffice && !out.witness->doubles_suffice)) out.witness = witness;
     if (out.witness->doubles_suffice || tries > 64) break;
   }

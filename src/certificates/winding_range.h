@@ -10,12 +10,11 @@
 // crossing, which gives the point; its winding number is computed once more on its own.
 #pragma once
 
-#include <array>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "kernels/bvh/self_intersections.h"
+#include "overtet/certificate.h"
 #include "overtet/run_context.h"
 #include "overtet/types.h"
 #include "src/mesh/topology.h"
@@ -24,22 +23,14 @@ namespace overtet {
 
 class IntersectionGraph;
 
-struct WindingWitness {
-  std::array<double, 3> point{};     // the nearest doubles
-  std::array<std::string, 3> exact;  // the point itself, as integers or fractions
-  int winding = 0;                   // < 0, of the exact point
-  bool doubles_suffice = false;      // the rounded point has a negative winding number too
-  std::optional<FacePair> pair;      // where it was found
-};
-
 struct WindingRange {
-  int min = 0, max = 0;                   // over all of space (0 far away included)
-  Index negative_pairs = 0;               // pairs with a curve piece where the outer wedge is negative
-  std::optional<WindingWitness> witness;  // exists exactly when min < 0
-  std::vector<FacePair> negative_at;      // those pairs, sorted; (-1, -1): a component by itself
-  Index touching_pairs = 0;               // pairs that have a point in common only: no curve piece
-  Index undecided_pairs = 0;              // curve pieces at which no ray could be counted (not seen so far)
-  bool complete = true;                   // false: the search ended at the first negative wedge
+  int min = 0, max = 0;                       // over all of space (0 far away included)
+  Index negative_pairs = 0;                   // pairs with a curve piece where the outer wedge is negative
+  std::optional<WindingCertificate> witness;  // exists exactly when min < 0
+  std::vector<FacePair> negative_at;          // those pairs, sorted; (-1, -1): a component by itself
+  Index touching_pairs = 0;                   // pairs that have a point in common only: no curve piece
+  Index undecided_pairs = 0;  // curve pieces at which no ray could be counted (not seen so far)
+  bool complete = true;       // false: the search ended at the first negative wedge
 };
 
 struct WindingRangeOptions {

@@ -227,7 +227,7 @@ Json to_json(const Findings& f) {
   j["coplanar_pairs"] = curves.coplanar_pairs;
   j["winding_min"] = input.winding_min ? Json(*input.winding_min) : Json();
   j["winding_max"] = input.winding_max ? Json(*input.winding_max) : Json();
-  if (f.found.witness) j["witness"] = Json::parse(to_json(*f.found.witness));
+  if (d.certificate) j["witness"] = Json::parse(to_json(*d.certificate));
   j["advice"] = d.advice;
   return j;
 }
@@ -337,7 +337,7 @@ void print(const Findings& f) {
     for (const auto& [a, b] : d.pairs) std::printf("pair        %d %d\n", a, b);
   std::printf("verdict     %s: %s\n", verdict_name(d.verdict),
               (f.found.problem ? f.found.problem->message : d.message).c_str());
-  if (f.found.witness) std::printf("witness     %s\n", to_json(*f.found.witness).c_str());
+  if (d.certificate) std::printf("witness     %s\n", to_json(*d.certificate).c_str());
   for (const std::string& advice : d.advice) std::printf("advice      %s\n", advice.c_str());
 }
 

@@ -65,7 +65,6 @@ class Checker {
     out.parts = static_cast<Index>(cuts_.face_of_part.size());
     out.conditions = static_cast<Index>(conditions_.size());
     out.verdict = GluingVerdict::open;
-    out.message = "Nothing contradicts a gluing along the curves.";
     std::size_t tried = 0;
     for (const int most : kSheets) {
       std::vector<Condition> some;
@@ -83,7 +82,7 @@ class Checker {
       if (answer == SolverAnswer::too_long) {
         if (const auto conflict = near_hinges(most, out.steps)) {
           out.verdict = GluingVerdict::conflict;
-          name(fewer(*conflict, out.steps), out);
+          name(fewer(*conflict, out.steps), out.conflict);
           if (auto stop = context_.stop()) return *stop;
           return out;
         }
@@ -93,7 +92,7 @@ class Checker {
         return out;
       }
       out.verdict = GluingVerdict::conflict;
-      name(fewer(search.needed(), out.steps), out);
+      name(fewer(search.needed(), out.steps), out.conflict);
       if (auto stop = context_.stop()) return *stop;
       return out;
     }
@@ -449,7 +448,7 @@ class Checker {
     return conflict;
   }
 
-  void name(const std::vector<Condition>& conflict, GluingAnswer& out) const {
+  void name(const std::vector<Condition>& conflict, GluingCertificate& out) const {
     for (const Condition& c : conflict) {
       if (c.most >= 0) {
         out.edges.push_back(c.edge);
@@ -461,18 +460,10 @@ class Checker {
     std::sort(out.edges.begin(), out.edges.end());
     out.edges.erase(std::unique(out.edges.begin(), out.edges.end()), out.edges.end());
     std::sort(out.crossings.begin(), out.crossings.end(), [](const auto& a, const auto& b) {
-      return std::tie(a.faces, a.layers, a.place) < std::tie(b.faces, b.layers, b.place);
+      return std::tie(a.faces, a.layers, a.position) < std::tie(b.faces, b.layers, b.position);
     });
     const auto same = [](const auto& a, const auto& b) { return a.faces == b.faces && a.layers == b.layers; };
     out.crossings.erase(std::unique(out.crossings.begin(), out.crossings.end(), same), out.crossings.end());
-    out.message = "No positive mesh exists: the sheets of the solid cannot be glued without a branch line";
-    if (!out.crossings.empty())
-      out.message += " where faces " + std::to_string(out.crossings[0].faces.first) + " and " +
-                     std::to_string(out.crossings[0].faces.second) + " cross" +
-                     (out.crossings.size() > 1
-                          ? " and at " + std::to_string(out.crossings.size() - 1) + " other crossings at once"
-                          : "");
-    out.message += ".";
   }
 
   struct EdgePiece {
@@ -508,7 +499,8 @@ Result<GluingAnswer> check_gluing(const Surface& surface, const SurfaceTopology&
   const OrdinarySize sized(surface, bvh);
   Result<GluingAnswer> answer = Checker(sized.surface(), topology, sized.bvh(), graph, context).run();
   if (answer.ok() && sized.scaled())
-    for (GluingAnswer::Crossing& c : answer.value().crossings) c.place = sized.back(c.place);
+    for (GluingCertificate::Crossing& c : answer.value().conflict.crossings)
+      c.position = sized.back(c.position);
   return answer;
 }
 

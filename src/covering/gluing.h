@@ -20,12 +20,12 @@
 // more than 6 sheets, or a hole in a face beside such a region.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "kernels/bvh/self_intersections.h"
+#include "overtet/certificate.h"
 #include "overtet/result.h"
 #include "overtet/run_context.h"
 #include "overtet/types.h"
@@ -43,16 +43,8 @@ enum class GluingVerdict {
 
 struct GluingAnswer {
   GluingVerdict verdict = GluingVerdict::undecided;
-  std::string message;  // why there is no mesh, or nothing was decided
-
-  // Of a conflict: conditions that contradict each other, few of them.
-  struct Crossing {
-    FacePair faces;                 // the conditions along their common curve,
-    int layers = 0;                 // where it has so many sheets in front of both faces
-    std::array<double, 3> place{};  // about the middle of such a piece
-  };
-  std::vector<Crossing> crossings;          // sorted
-  std::vector<std::array<Index, 2>> edges;  // of the input, smaller vertex first, sorted
+  std::string message;         // why nothing was decided
+  GluingCertificate conflict;  // of a conflict: conditions that contradict each other, few of them
 
   Index parts = 0;         // of faces, between the curves
   Index conditions = 0;    // of different kind

@@ -117,16 +117,6 @@ class Assigner {
     std::stable_sort(out.odd_groups.begin(), out.odd_groups.end(),
                      [](const auto& a, const auto& b) { return a.size() < b.size(); });
     for (const auto& odd : out.odd_groups) out.unmet.insert(out.unmet.end(), odd.begin(), odd.end());
-    const auto& group = out.odd_groups.front();
-    const Hinge& hinge = hinges_[hinge_at_[group.front()]];
-    out.explanation =
-        "No positive mesh exists: at vertex " + std::to_string(group.front()) + " the integer B0 is " +
-        std::to_string(*hinge.B0) +
-        (group.size() == 1
-             ? ", so an odd number of its edges would have to turn once more than they show, and "
-               "the edges whose outer side is covered all along lead from there to no other such vertex."
-             : ", and the " + std::to_string(group.size()) +
-                   " vertices with odd B0 that covered edges join to it cannot be paired.");
     return std::nullopt;
   }
 
@@ -150,19 +140,8 @@ class Assigner {
       }
       if (fits) continue;
       out.crowded.push_back(hinge.vertex);
-      explain(hinge,
-              "its edges cannot turn that often beyond what they show: too few of them are covered all along "
-              "on their outer side.",
-              out);
+      out.unmet.push_back(hinge.vertex);
     }
-  }
-
-  // The first explanation stands.
-  static void explain(const Hinge& hinge, const char* why, WoundEdges& out) {
-    out.unmet.push_back(hinge.vertex);
-    if (out.explanation.empty())
-      out.explanation = "No positive mesh exists: at vertex " + std::to_string(hinge.vertex) +
-                        " the integer B0 is " + std::to_string(*hinge.B0) + ", and " + why;
   }
 
   std::optional<Error> find_unfillable(WoundEdges& out) {
@@ -185,22 +164,14 @@ class Assigner {
       steps += answer.steps;
       if (answer.verdict != LinkVerdict::unfillable) continue;
       out.unfillable.push_back(hinge.vertex);
-      explain(hinge,
-              "no tets fill its surroundings: the polygon in which its faces meet a small sphere bounds no "
-              "disc that turns only at edges covered all along.",
-              out);
+      out.unmet.push_back(hinge.vertex);
     }
     if (out.forbidden()) return std::nullopt;
     auto shared = find_shared(surface_, topology_, bvh_, hinges_, pierced_, unsure, context_);
     if (!shared.ok()) return shared.error();
     for (const SharedPoint& p : shared.value()) {
       out.unfillable.insert(out.unfillable.end(), p.vertices.begin(), p.vertices.end());
-      if (out.shared) continue;
-      out.shared = p;
-      out.explanation = "No positive mesh exists: around vertex " + std::to_string(p.vertices.front()) +
-                        " and what else passes through its place no tets fill the space, with as many layers "
-                        "as the winding "
-                        "numbers have room for.";
+      if (!out.shared) out.shared = p;
     }
     std::sort(out.unfillable.begin(), out.unfillable.end());
     out.unmet = out.unfillable;

@@ -13,7 +13,6 @@
 // ones left, so that every result given as complete satisfies all equations (they are checked at the end).
 #pragma once
 
-#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -60,14 +59,7 @@ struct WoundEdges {
   std::vector<Index> unfillable;
   // What is wrong at a point shared by the vertices in `unfillable`, as much of a proof.
   std::optional<SharedPoint> shared;
-  // Where the odd group is one of its component alone, moved from the others by as little as you like in this
-  // direction (separated.h); B0 is that of the component alone, of each vertex named.
-  struct Apart {
-    std::array<int, 3> direction{};
-    std::vector<int> B0;
-  };
-  std::optional<Apart> apart;
-  std::string explanation;  // one sentence when there are any unmet
+  std::string explanation;  // one sentence where there are some unmet, though nothing here forbids a mesh
   bool complete() const { return unmet.empty(); }
   bool forbidden() const { return !odd_groups.empty() || !crowded.empty() || !unfillable.empty(); }
 };

@@ -2,22 +2,15 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "kernels/predicates/predicates.h"
-#include "src/covering/gluing.h"
 #include "src/covering/pierced_edge.h"
 #include "src/exact/ordinary_size.h"
 
 namespace overtet {
 
 namespace {
-
-std::string shortest(double x) {
-  char digits[32];
-  return {digits, std::to_chars(digits, digits + sizeof digits, x).ptr};
-}
 
 // Faces whose height is within the rounding of their own coordinates. They may have an area in exact
 // arithmetic, of either sign; nobody can have meant it, and no tet of any use stands on them.
@@ -61,71 +54,6 @@ std::optional<Error> wrong_shape(const Surface& s, UnitBox& box) {
   return std::nullopt;
 }
 
-std::optional<WitnessRecord> witness_of(const Surface& surface, const Diagnosis& d) {
-  WitnessRecord record;
-  const auto add = [&](Index v, int B0) {
-    record.vertices.push_back(v);
-    record.B0.push_back(B0);
-    record.positions.push_back({surface.V(v, 0), surface.V(v, 1), surface.V(v, 2)});
-  };
-  if (const auto& w = d.winding.witness) {
-    record.rule = WitnessRecord::Rule::winding;
-    record.winding = w->winding;
-    record.point = w->exact;
-    if (w->doubles_suffice)
-      for (std::size_t k = 0; k < 3; ++k) record.point[k] = shortest(w->point[k]);
-    return record;
-  }
-  if (d.vertex_witness) {
-    record.rule = WitnessRecord::Rule::vertex;
-    add(d.vertex_witness->vertex, d.vertex_witness->B0);
-    return record;
-  }
-  if (d.fold_witness) {
-    record.rule = WitnessRecord::Rule::fold;
-    add(d.fold_witness->vertex, d.fold_witness->B0);
-    return record;
-  }
-  if (d.stack) {
-    record.rule = WitnessRecord::Rule::stack;
-    record.face = d.stack->face;
-    record.point = d.stack->exact;
-    record.vertices = d.stack->vertices;
-    record.moves = d.stack->moves;
-    record.winding = d.stack->winding;
-    record.positions.push_back(d.stack->point);
-    return record;
-  }
-  if (!d.wound.odd_groups.empty()) {
-    record.rule = WitnessRecord::Rule::unpaired;
-    const auto& group = d.wound.odd_groups.front();
-    if (d.wound.apart) {
-      record.apart = d.wound.apart->direction;
-      for (std::size_t i = 0; i < group.size(); ++i) add(group[i], d.wound.apart->B0[i]);
-      return record;
-    }
-    for (const Hinge& h : d.hinges)
-      if (std::binary_search(group.begin(), group.end(), h.vertex)) add(h.vertex, h.B0.value_or(0));
-    return record;
-  }
-  if (d.wound.shared) {
-    record.rule = WitnessRecord::Rule::shared;
-    record.vertices = d.wound.shared->vertices;
-    record.layers = d.wound.shared->layers;
-    record.room = d.wound.shared->room;
-    for (const Index v : record.vertices)
-      record.positions.push_back({surface.V(v, 0), surface.V(v, 1), surface.V(v, 2)});
-    return record;
-  }
-  const bool crowded = !d.wound.crowded.empty();
-  const std::vector<Index>& named = crowded ? d.wound.crowded : d.wound.unfillable;
-  if (named.empty()) return std::nullopt;
-  record.rule = crowded ? WitnessRecord::Rule::crowded : WitnessRecord::Rule::link;
-  for (const Hinge& h : d.hinges)
-    if (h.vertex == named.front()) add(h.vertex, h.B0.value_or(0));
-  return record;
-}
-
 }  // namespace
 
 Result<Inspection> inspect(const Surface& surface, InspectionDepth depth, const RunContext& context) {
@@ -150,32 +78,14 @@ Result<Inspection> inspect(const Surface& surface, InspectionDepth depth, const 
   if (!d) return d.error();
   r.diagnosis = std::move(d).value();
   r.problem = refuse(r.diagnosis);
-  if (r.problem && r.problem->code == ErrorCode::infeasible) r.witness = witness_of(surface, r.diagnosis);
   if (depth == InspectionDepth::everything)
     if (Status s = look_for_conflict(surface, r, context); !s) return s.error();
   return r;
 }
 
 Status look_for_conflict(const Surface& surface, Inspection& r, const RunContext& context) {
-  Diagnosis& d = r.diagnosis;
-  if (r.problem || d.verdict != Verdict::feasible) return success();
-  const Result<GluingAnswer> answer = check_gluing(surface, d.topology.topology, *d.bvh, *d.graph, context);
-  if (!answer) return answer.error();
-  const GluingAnswer& a = answer.value();
-  if (a.verdict != GluingVerdict::conflict) return success();
-  WitnessRecord record;
-  record.rule = WitnessRecord::Rule::gluing;
-  for (const auto& c : a.crossings) {
-    record.pairs.push_back({c.faces.first, c.faces.second});
-    record.layers.push_back(c.layers);
-    record.positions.push_back(c.place);
-  }
-  record.edges = a.edges;
-  r.witness = std::move(record);
-  d.verdict = Verdict::obstructed;
-  d.message = a.message;
-  r.problem = Error{ErrorCode::infeasible, a.message};
-  if (!a.crossings.empty()) r.problem->place = a.crossings[0].place;
+  if (Status s = diagnose_further(surface, {}, r.diagnosis, context); !s) return s;
+  if (!r.problem) r.problem = refuse(r.diagnosis);
   return success();
 }
 

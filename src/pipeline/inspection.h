@@ -19,23 +19,22 @@ struct Inspection {
   Diagnosis diagnosis;
   UnitBox box;  // when there is no problem
 
-  std::optional<Error> problem;          // why no mesh can be made: bad_input or infeasible
-  std::optional<WitnessRecord> witness;  // where the problem is that no mesh exists
+  // Why no mesh can be made: bad_input, or infeasible with its certificate.
+  std::optional<Error> problem;
 
   bool usable() const { return !problem || problem->code == ErrorCode::infeasible; }
 };
 
 enum class InspectionDepth {
   verdict,    // until it is known whether a run may begin
-  everything  // the whole winding range even when a witness has been found, and look_for_conflict
+  everything  // the whole winding range even when a certificate has been found, and look_for_conflict
 };
 
 // Errors: limit, interrupted. What is wrong with the surface is a finding, not an error.
 Result<Inspection> inspect(const Surface& surface, InspectionDepth depth, const RunContext& context);
 
-// Whether the sheets of a solid can be glued at all along the curves (src/covering/gluing.h), where nothing
-// else forbids a mesh. If not, that is the inspection's verdict, problem and witness from now on. Errors:
-// limit, interrupted.
+// What the expensive rules say (diagnose_further), where nothing else forbids a mesh. If one of them objects,
+// that is the inspection's verdict and problem from now on. Errors: limit, interrupted.
 Status look_for_conflict(const Surface& surface, Inspection& inspection, const RunContext& context);
 
 InputRecord input_record(const Inspection& inspection);

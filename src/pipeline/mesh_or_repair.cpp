@@ -33,9 +33,9 @@ Result<std::optional<TetMesh>> mesh_as_it_is(const Surface& surface, const Pipel
   report.input = run.input_record();  // also for who gives up during the diagnosis
   const Status usable = run.diagnose();
   report.input = run.input_record();
-  report.witness = run.witness();
+  report.certificate = run.certificate();
   Result<TetMesh> mesh = usable ? run.mesh() : Result<TetMesh>(usable.error());
-  report.witness = run.witness();
+  report.certificate = run.certificate();
   if (mesh) return std::optional(std::move(mesh).value());
   if (options.on_infeasible != OnInfeasible::repair || !repairable(mesh.error())) return mesh.error();
   failure = {mesh.error(), run.unglued(), run.parts()};

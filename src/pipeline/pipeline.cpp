@@ -26,7 +26,7 @@ void hand_over(MeshedSurface meshed, PipelineResult& result) {
   result.mesh = std::move(meshed.mesh);
   if (!meshed.moves) return;
   const Moves& moves = *meshed.moves;
-  report.witness.reset();
+  report.certificate.reset();
   report.moved_vertices = static_cast<std::int64_t>(moves.vertices.size());
   report.max_relative_move = moves.max_relative;
   report.mean_relative_move = moves.mean_relative;

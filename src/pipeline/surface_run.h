@@ -42,7 +42,7 @@ class SurfaceRun {
 
   // What is known of the surface so far, also after a failure.
   const InputRecord& input_record() const { return record_; }
-  const std::optional<WitnessRecord>& witness() const { return found_.witness; }
+  const std::optional<Certificate>& certificate() const { return found_.diagnosis.certificate; }
   // Where the sheets could not be glued, in the input's space.
   const std::optional<Eigen::Vector3d>& unglued() const { return unglued_; }
   std::vector<PartSurface> parts() const { return parts_of(input_, found_.diagnosis); }

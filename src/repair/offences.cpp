@@ -81,6 +81,7 @@ Result<Findings> find_offences(const Surface& surface, const VertexRings& rings,
   const Diagnosis& diagnosis = found.diagnosis;
   if (!diagnosis.topology.ok()) return Error{ErrorCode::bad_input, diagnosis.message};
   for (const Index f : diagnosis.degenerate_faces) offences.push_back(corners(f));
+  const std::size_t without_area = offences.size();
   for (const auto& [f, g] : diagnosis.winding.negative_at) {
     if (f < 0) {
       found.hopeless = found.hopeless || diagnosis.winding.negative_pairs == 0;
@@ -106,11 +107,13 @@ Result<Findings> find_offences(const Surface& surface, const VertexRings& rings,
   }
   for (const Hinge& h : diagnosis.hinges)
     if (h.B0 && *h.B0 < 0) offences.push_back({h.vertex});
-  if (diagnosis.stack) offences.push_back(diagnosis.stack->vertices);
   for (const auto& group : diagnosis.wound.odd_groups)
     for (const Index v : group) offences.push_back({v});
   for (const Index v : diagnosis.wound.crowded) offences.push_back({v});
   for (const Index v : diagnosis.wound.unfillable) offences.push_back({v});
+  // Otherwise what the certificate names.
+  if (offences.size() == without_area && diagnosis.certificate)
+    if (Offence named = named_vertices(*diagnosis.certificate); !named.empty()) offences.push_back(named);
   for (Offence& o : offences) {
     std::sort(o.begin(), o.end());
     o.erase(std::unique(o.begin(), o.end()), o.end());

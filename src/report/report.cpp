@@ -1,6 +1,5 @@
 #include "src/report/report.h"
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "overtet/version.h"
@@ -15,88 +14,7 @@ Json value_of(const Figure& figure) {
   return std::visit([](const auto& x) { return Json(x); }, figure.second);
 }
 
-// Coordinates that are plain numbers appear as numbers, exact fractions as strings.
-Json coordinate(const std::string& text) {
-  char* end = nullptr;
-  const double x = std::strtod(text.c_str(), &end);
-  return end && *end == '\0' && !text.empty() && std::isfinite(x) ? Json(x) : Json(text);
-}
-
-// "point" and "vertex" at the top are proofs by themselves; the other rules must not have them there.
-Json json_of(const WitnessRecord& w) {
-  Json j;
-  j["rule"] = name_of(w.rule);
-  switch (w.rule) {
-    case WitnessRecord::Rule::winding:
-      j["point"] = Json::array();
-      for (const std::string& c : w.point) j["point"].push_back(coordinate(c));
-      j["winding"] = w.winding;
-      return j;
-    case WitnessRecord::Rule::vertex:
-      j["vertex"] = w.vertices[0];
-      j["B0"] = w.B0[0];
-      j["position"] = w.positions[0];
-      return j;
-    case WitnessRecord::Rule::fold:
-    case WitnessRecord::Rule::unpaired:
-    case WitnessRecord::Rule::crowded:
-    case WitnessRecord::Rule::link:
-      j["vertices"] = w.vertices;
-      j["B0"] = w.B0;
-      j["positions"] = w.positions;
-      if (w.apart) j["apart"] = *w.apart;
-      return j;
-    case WitnessRecord::Rule::shared:
-      j["vertices"] = w.vertices;
-      j["layers"] = w.layers;
-      j["room"] = w.room;
-      j["positions"] = w.positions;
-      return j;
-    case WitnessRecord::Rule::stack:
-      j["face"] = w.face;
-      j["place"] = w.point;
-      j["vertices"] = w.vertices;
-      j["moves"] = w.moves;
-      j["winding"] = w.winding;
-      j["positions"] = w.positions;
-      return j;
-    case WitnessRecord::Rule::gluing:
-      j["pairs"] = w.pairs;
-      j["layers"] = w.layers;
-      j["edges"] = w.edges;
-      j["positions"] = w.positions;
-      return j;
-  }
-  return j;
-}
-
 }  // namespace
-
-const char* name_of(WitnessRecord::Rule rule) {
-  switch (rule) {
-    case WitnessRecord::Rule::winding:
-      return "winding";
-    case WitnessRecord::Rule::vertex:
-      return "vertex";
-    case WitnessRecord::Rule::fold:
-      return "fold";
-    case WitnessRecord::Rule::unpaired:
-      return "unpaired";
-    case WitnessRecord::Rule::crowded:
-      return "crowded";
-    case WitnessRecord::Rule::link:
-      return "link";
-    case WitnessRecord::Rule::shared:
-      return "shared";
-    case WitnessRecord::Rule::stack:
-      return "stack";
-    case WitnessRecord::Rule::gluing:
-      return "gluing";
-  }
-  return "";
-}
-
-std::string to_json(const WitnessRecord& witness) { return json_of(witness).dump(); }
 
 const char* name_of(RunStatus status) {
   switch (status) {
@@ -134,7 +52,7 @@ std::string to_json(const Report& r) {
   if (!r.input.notes.empty()) input["notes"] = r.input.notes;
   j["status"] = name_of(r.status);
   j["message"] = r.message;
-  if (r.witness) j["witness"] = json_of(*r.witness);
+  if (r.certificate) j["witness"] = Json::parse(to_json(*r.certificate));
   j["moved"] = {{"vertices", r.moved_vertices},
                 {"max_relative", r.max_relative_move},
                 {"mean_relative", r.mean_relative_move},

@@ -72,13 +72,17 @@ TEST(Scale, SharpCrossingsCrashedAtLargeCoordinates) {
         EXPECT_EQ(d.component_volume[c] > 0, one.component_volume[c] > 0);
       ASSERT_EQ(d.winding.witness.has_value(), one.winding.witness.has_value());
       if (d.winding.witness) {
-        const WindingWitness &a = *d.winding.witness, &b = *one.winding.witness;
+        const WindingCertificate &a = *d.winding.witness, &b = *one.winding.witness;
         expect_times(a.exact, b.exact, factor);
         EXPECT_EQ(a.doubles_suffice, b.doubles_suffice);
         EXPECT_EQ(WindingNumber(s).at(a.exact), a.winding);
       }
-      ASSERT_EQ(d.stack.has_value(), one.stack.has_value());
-      if (d.stack) expect_times(d.stack->exact, one.stack->exact, factor);
+      ASSERT_EQ(d.certificate.has_value(), one.certificate.has_value());
+      if (one.certificate) {
+        ASSERT_EQ(d.certificate->index(), one.certificate->index());
+        if (const auto* stack = std::get_if<StackCertificate>(&*one.certificate))
+          expect_times(std::get<StackCertificate>(*d.certificate).exact, stack->exact, factor);
+      }
       const GluingAnswer g = check_gluing(s, d.topology.topology, *d.bvh, *d.graph, {}).value();
       EXPECT_EQ(g.verdict, glued.verdict);
       EXPECT_EQ(g.conditions, glued.conditions);
@@ -117,8 +121,8 @@ TEST(Scale, EveryPartOfTheRoomDecidesAlikeAtAnySize) {
       if (range.witness) {
         EXPECT_EQ(WindingNumber(s).at(range.witness->exact), range.witness->winding);
       }
-      const auto stack = find_stack_witness(s, bvh, one.pairs, {}).value();
-      if (one.stack) {
+      const auto stack = find_stack_certificate(s, bvh, one.pairs, {}).value();
+      if (one.certificate && std::holds_alternative<StackCertificate>(*one.certificate)) {
         EXPECT_TRUE(stack);
       }
       const WoundEdges wound = assign_wound_edges(s, topology, bvh, hinges, one.pierced_edges, {}).value(),
@@ -127,7 +131,7 @@ TEST(Scale, EveryPartOfTheRoomDecidesAlikeAtAnySize) {
                                .value();
       EXPECT_EQ(wound.odd_groups, expected.odd_groups);
       EXPECT_EQ(wound.crowded, expected.crowded);
-      EXPECT_TRUE(find_apart(s, topology, hinges, {}).ok());
+      EXPECT_TRUE(find_separated_part(s, topology, hinges, {}).ok());
     }
   }
 }

@@ -17,9 +17,11 @@ Diagnosis diagnosed(const Surface& s) { return diagnose(s, {}, {}).value(); }
 TEST(Stacks, MovesThatTurnAPartInsideOut) {
   const Surface s = test::mirrored_folds();
   const Diagnosis d = diagnosed(s);
-  EXPECT_EQ(d.verdict, Verdict::obstructed) << d.message;
-  ASSERT_TRUE(d.stack);
-  const StackWitness& w = *d.stack;
+  EXPECT_EQ(d.verdict, Verdict::infeasible) << d.message;
+  ASSERT_TRUE(d.certificate);
+  const StackCertificate* found = std::get_if<StackCertificate>(&*d.certificate);
+  ASSERT_TRUE(found) << d.message;
+  const StackCertificate& w = *found;
   EXPECT_LT(w.winding, 0);
   ASSERT_EQ(w.vertices.size(), w.moves.size());
   const Eigen::RowVector3d a = s.V.row(s.F(w.face, 0)), b = s.V.row(s.F(w.face, 1)),
@@ -33,8 +35,8 @@ TEST(Stacks, MovesThatTurnAPartInsideOut) {
 TEST(Stacks, AFoldByItselfIsOneToo) {
   const Surface s = test::pressed_fold();
   const Diagnosis d = diagnosed(s);
-  EXPECT_EQ(d.verdict, Verdict::obstructed) << d.message;
-  const auto found = find_stack_witness(s, *d.bvh, d.pairs, {});
+  EXPECT_EQ(d.verdict, Verdict::infeasible) << d.message;
+  const auto found = find_stack_certificate(s, *d.bvh, d.pairs, {});
   ASSERT_TRUE(found.ok());
   EXPECT_TRUE(found.value());
 }
@@ -49,7 +51,7 @@ TEST(Stacks, SolidsThatTouchOrOverlap) {
        {box, moved(box, 1, 0, 0), moved(box, 1, 0.25, 0.5), moved(box, 0.5, 0, 0), moved(box, 0.5, 0.25, 0),
         test::transformed(box, 0.5 * Eigen::Matrix3d::Identity(), {0, 0, 0.25})}) {
     const Diagnosis d = diagnosed(test::joined(box, other));
-    EXPECT_FALSE(d.stack);
+    EXPECT_FALSE(d.certificate);
     EXPECT_EQ(d.verdict, Verdict::feasible) << d.message;
   }
 }

@@ -142,10 +142,10 @@ std::string unpaired_witness(const std::vector<Index>& vertices, const std::vect
   return "{\"rule\": \"unpaired\", \"vertices\": " + listed(vertices) + ", \"B0\": " + listed(b0) + "}";
 }
 
-std::string apart_witness(const std::vector<Index>& vertices, const WoundEdges::Apart& apart) {
-  std::string text = unpaired_witness(vertices, apart.B0);
+std::string apart_witness(const SeparatedCertificate& c) {
+  std::string text = unpaired_witness(c.vertices, c.B0);
   text.back() = ',';
-  return text + " \"apart\": " + listed(apart.direction) + "}";
+  return text + " \"apart\": " + listed(c.direction) + "}";
 }
 
 std::string shared_witness(const SharedPoint& p) {
@@ -237,7 +237,7 @@ TEST_F(CheckWitness, UnpairedVertices) {
   for (int i = 0; i < 3; ++i) {
     const Surface s = test::obstructed_elbow(i);
     const Diagnosis d = diagnosed(s);
-    ASSERT_EQ(d.verdict, Verdict::obstructed);
+    ASSERT_EQ(d.verdict, Verdict::infeasible);
     ASSERT_FALSE(d.wound.odd_groups.empty());
     for (const auto& group : d.wound.odd_groups) {
       std::vector<int> b0;
@@ -278,7 +278,7 @@ TEST_F(CheckWitness, CrowdedVertices) {
     const Surface s =
         pierced_at_hinge(test::elbow(110 + 20.0 * static_cast<double>(seed % 4), 8 + seed % 3), seed);
     const Diagnosis d = diagnosed(s);
-    ASSERT_EQ(d.verdict, Verdict::obstructed);
+    ASSERT_EQ(d.verdict, Verdict::infeasible);
     EXPECT_TRUE(d.wound.odd_groups.empty());
     ASSERT_FALSE(d.wound.crowded.empty());
     confirms_no_others(s, d, "crowded", d.wound.crowded, 3);
@@ -294,7 +294,7 @@ TEST_F(CheckWitness, LinksThatBoundNoDisc) {
     const Surface s =
         pierced_at_hinge(test::elbow(90 + 20.0 * static_cast<double>(seed % 6), 8 + seed % 5), seed);
     const Diagnosis d = diagnosed(s);
-    ASSERT_EQ(d.verdict, Verdict::obstructed);
+    ASSERT_EQ(d.verdict, Verdict::infeasible);
     EXPECT_TRUE(d.wound.odd_groups.empty());
     EXPECT_TRUE(d.wound.crowded.empty());
     ASSERT_FALSE(d.wound.unfillable.empty());
@@ -303,7 +303,7 @@ TEST_F(CheckWitness, LinksThatBoundNoDisc) {
   }
 }
 
-std::string gluing_witness(const GluingAnswer& a, std::size_t without) {
+std::string gluing_witness(const GluingCertificate& a, std::size_t without) {
   std::string pairs, layers, edges;
   const auto more = [](std::string& list, const std::string& x) { list += (list.empty() ? "" : ", ") + x; };
   for (std::size_t k = 0; k < a.crossings.size() + a.edges.size(); ++k) {
@@ -313,7 +313,7 @@ std::string gluing_witness(const GluingAnswer& a, std::size_t without) {
       continue;
     }
     const auto& c = a.crossings[k];
-    more(pairs, listed(std::vector<Index>{c.faces.first, c.faces.second}));
+    more(pairs, listed(c.faces));
     more(layers, std::to_string(c.layers));
   }
   return "{\"rule\": \"gluing\", \"pairs\": [" + pairs + "], \"layers\": [" + layers + "], \"edges\": [" +
@@ -329,15 +329,15 @@ TEST_F(CheckWitness, LayersThatCannotBeGlued) {
     ASSERT_EQ(d.verdict, Verdict::feasible);
     const GluingAnswer a = check_gluing(s, d.topology.topology, *d.bvh, *d.graph, {}).value();
     ASSERT_EQ(a.verdict, GluingVerdict::conflict);
-    const std::size_t n = a.crossings.size() + a.edges.size();
-    EXPECT_EQ(answer(s, gluing_witness(a, n)), 0) << said_;
-    EXPECT_EQ(answer(s, gluing_witness(a, seed % n)), 1) << said_;  // nothing in it is idle
+    const std::size_t n = a.conflict.crossings.size() + a.conflict.edges.size();
+    EXPECT_EQ(answer(s, gluing_witness(a.conflict, n)), 0) << said_;
+    EXPECT_EQ(answer(s, gluing_witness(a.conflict, seed % n)), 1) << said_;  // nothing in it is idle
   }
   const Surface s = test::elbow(150, 14);
   const Diagnosis d = diagnosed(s);
-  GluingAnswer all;  // says much, and proves nothing
+  GluingCertificate all;  // says much, and proves nothing
   for (const auto& pair : d.pairs)
-    for (const int layers : {0, 1}) all.crossings.push_back({pair, layers, {}});
+    for (const int layers : {0, 1}) all.crossings.push_back({{pair.first, pair.second}, layers, {}});
   EXPECT_EQ(answer(s, gluing_witness(all, all.crossings.size())), 1) << said_;
   EXPECT_EQ(answer(s, "{\"rule\": \"gluing\", \"pairs\": [[1, 2]], \"layers\": [], \"edges\": []}"), 2)
       << said_;
@@ -349,7 +349,7 @@ TEST_F(CheckWitness, LayersThatCannotBeGluedNearAHinge) {
   const std::uint64_t seed = 17;
   const Surface one =
       pierced_at_hinge(test::elbow(90 + 20.0 * static_cast<double>(seed % 6), 8 + seed % 5), seed);
-  ASSERT_EQ(diagnosed(one).verdict, Verdict::obstructed);
+  ASSERT_EQ(diagnosed(one).verdict, Verdict::infeasible);
   Surface other = one;
   other.V.rowwise() += 1e-4 * Eigen::RowVector3d(-0.8, 0.1, 0.6);
   const Surface s = test::joined(one, other);
@@ -357,14 +357,16 @@ TEST_F(CheckWitness, LayersThatCannotBeGluedNearAHinge) {
   ASSERT_EQ(d.verdict, Verdict::feasible);
   const GluingAnswer a = check_gluing(s, d.topology.topology, *d.bvh, *d.graph, {}).value();
   ASSERT_EQ(a.verdict, GluingVerdict::conflict) << a.message;
-  EXPECT_EQ(answer(s, gluing_witness(a, a.crossings.size() + a.edges.size())), 0) << said_;
+  EXPECT_EQ(answer(s, gluing_witness(a.conflict, a.conflict.crossings.size() + a.conflict.edges.size())), 0)
+      << said_;
 }
 
 TEST_F(CheckWitness, FacesThatLieOnEachOther) {
   const Surface s = test::mirrored_folds();
   const Diagnosis d = diagnosed(s);
-  ASSERT_TRUE(d.stack) << d.message;
-  const StackWitness& w = *d.stack;
+  ASSERT_TRUE(d.certificate && std::holds_alternative<StackCertificate>(*d.certificate)) << d.message;
+  const auto& w = std::get<StackCertificate>(*d.certificate);
+  EXPECT_EQ(answer(s, to_json(w)), 0) << said_;
   const auto text = [&](const std::vector<int>& moves, int winding) {
     return "{\"rule\": \"stack\", \"face\": " + std::to_string(w.face) + ", \"place\": [\"" + w.exact[0] +
            "\", \"" + w.exact[1] + "\", \"" + w.exact[2] + "\"], \"vertices\": " + listed(w.vertices) +
@@ -428,18 +430,18 @@ TEST_F(CheckWitness, CopiesInOnePlaceAreMovedApart) {
         pierced_at_hinge(test::elbow(90 + 20.0 * static_cast<double>(seed % 6), 8 + seed % 5), seed);
     const Surface s = test::joined(one, one);
     const Diagnosis d = diagnosed(s);
-    ASSERT_EQ(d.verdict, Verdict::obstructed) << d.message;
-    ASSERT_TRUE(d.wound.apart);
-    ASSERT_EQ(d.wound.odd_groups.size(), 1u);
-    const auto& group = d.wound.odd_groups[0];
-    EXPECT_EQ(answer(s, apart_witness(group, *d.wound.apart)), 0) << said_;
-    EXPECT_EQ(answer(s, unpaired_witness(group, d.wound.apart->B0)), 1) << said_;
-    WoundEdges::Apart other = *d.wound.apart;
+    ASSERT_EQ(d.verdict, Verdict::infeasible) << d.message;
+    ASSERT_TRUE(d.certificate && std::holds_alternative<SeparatedCertificate>(*d.certificate));
+    const auto& found = std::get<SeparatedCertificate>(*d.certificate);
+    EXPECT_EQ(answer(s, to_json(found)), 0) << said_;
+    EXPECT_EQ(answer(s, apart_witness(found)), 0) << said_;
+    EXPECT_EQ(answer(s, unpaired_witness(found.vertices, found.B0)), 1) << said_;
+    SeparatedCertificate other = found;
     for (int& x : other.direction) x = -x;  // into the copy, which covers the edges
-    EXPECT_EQ(answer(s, apart_witness(group, other)), 1) << said_;
-    other = *d.wound.apart;
+    EXPECT_EQ(answer(s, apart_witness(other)), 1) << said_;
+    other = found;
     other.B0[0] += 2;
-    EXPECT_EQ(answer(s, apart_witness(group, other)), 1) << said_;
+    EXPECT_EQ(answer(s, apart_witness(other)), 1) << said_;
   }
   const Surface elbow = test::elbow(150, 14), both = test::joined(elbow, elbow);
   EXPECT_EQ(diagnosed(both).verdict, Verdict::feasible);

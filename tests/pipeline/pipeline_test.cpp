@@ -157,9 +157,9 @@ TEST(Pipeline, UnpairedHingesAreInfeasible) {
     options.preset = preset;
     const PipelineResult r = run(s, options);
     EXPECT_EQ(r.exit_code(), 5);
-    ASSERT_TRUE(r.report.witness.has_value());
-    const WitnessRecord& w = *r.report.witness;
-    EXPECT_EQ(w.rule, WitnessRecord::Rule::unpaired);
+    ASSERT_TRUE(r.report.certificate.has_value());
+    ASSERT_TRUE(std::holds_alternative<UnpairedCertificate>(*r.report.certificate));
+    const auto& w = std::get<UnpairedCertificate>(*r.report.certificate);
     EXPECT_EQ(w.vertices.size() % 2, 1u);
     ASSERT_EQ(w.vertices.size(), w.B0.size());
     ASSERT_EQ(w.vertices.size(), w.positions.size());
@@ -188,12 +188,10 @@ TEST(Pipeline, SaysWhereCurvesContradictEachOther) {
   ASSERT_EQ(d.value().verdict, Verdict::feasible);
   const PipelineResult r = run(s);
   EXPECT_EQ(r.exit_code(), 5);
-  ASSERT_TRUE(r.report.witness.has_value());
-  const WitnessRecord& w = *r.report.witness;
-  EXPECT_EQ(w.rule, WitnessRecord::Rule::gluing);
-  EXPECT_FALSE(w.pairs.empty());
-  EXPECT_EQ(w.pairs.size(), w.layers.size());
-  EXPECT_EQ(w.pairs.size(), w.positions.size());
+  ASSERT_TRUE(r.report.certificate.has_value());
+  ASSERT_TRUE(std::holds_alternative<GluingCertificate>(*r.report.certificate));
+  const auto& w = std::get<GluingCertificate>(*r.report.certificate);
+  EXPECT_FALSE(w.crossings.empty());
   EXPECT_NE(to_json(r.report).find("\"layers\""), std::string::npos);
   EXPECT_FALSE(stages(r).contains("forward_flow"));
 }
@@ -201,9 +199,9 @@ TEST(Pipeline, SaysWhereCurvesContradictEachOther) {
 TEST(Pipeline, SaysWhyThereIsNoMesh) {
   const PipelineResult saucer = run(test::saucer());
   EXPECT_EQ(saucer.exit_code(), 5);
-  ASSERT_TRUE(saucer.report.witness.has_value());
-  EXPECT_EQ(saucer.report.witness->rule, WitnessRecord::Rule::winding);
-  EXPECT_LT(saucer.report.witness->winding, 0);
+  ASSERT_TRUE(saucer.error.certificate.has_value());
+  ASSERT_TRUE(std::holds_alternative<WindingCertificate>(*saucer.error.certificate));
+  EXPECT_LT(std::get<WindingCertificate>(*saucer.error.certificate).winding, 0);
   EXPECT_EQ(saucer.mesh.T.rows(), 0);
   EXPECT_EQ(run(test::flipped(test::sphere())).exit_code(), 5);
 
@@ -346,7 +344,9 @@ TEST(Pipeline, PartsWithoutAMeshAreCarriedByWhatSurroundsThem) {
     Surface s = test::obstructed_elbow(number);
     const PipelineResult alone = run(s);
     ASSERT_EQ(alone.report.status, RunStatus::infeasible);
-    const auto& [x, y, z] = alone.report.witness->positions[0];
+    ASSERT_TRUE(alone.error.certificate.has_value());
+    ASSERT_TRUE(std::holds_alternative<UnpairedCertificate>(*alone.error.certificate));
+    const auto& [x, y, z] = std::get<UnpairedCertificate>(*alone.error.certificate).positions[0];
     for (const double radius : {3.0, 3.6, 4.2, 4.8}) {
       s = test::joined(s, test::sphere(2, radius, {x, y, z}));
       const PipelineResult r = run(s);

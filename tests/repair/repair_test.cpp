@@ -227,7 +227,7 @@ TEST(Repair, FoldedRingsOpen) {
     const Surface s = folded(past);
     const Verdict verdict = verdict_of(s);
     const RepairResult r = repaired(s);
-    if (verdict == Verdict::infeasible || verdict == Verdict::obstructed) {
+    if (verdict == Verdict::infeasible) {
       EXPECT_FALSE(r.moved.empty());
     }
   }
@@ -291,7 +291,7 @@ TEST(Repair, RepairedSurfacesAreMeshedExactly) {
     }
     if (!r.ok()) {  // deeper than vertices may move: then nothing is claimed
       EXPECT_EQ(r.exit_code(), 5);
-      EXPECT_TRUE(r.report.witness.has_value());
+      EXPECT_TRUE(r.report.certificate.has_value());
       continue;
     }
     EXPECT_EQ(r.report.status, RunStatus::repaired);
@@ -341,7 +341,7 @@ TEST(Repair, SaysHowFarVerticesWouldHaveToMove) {
   ASSERT_FALSE(r.ok());
   EXPECT_EQ(r.exit_code(), 5);
   EXPECT_NE(r.error.message.find("would do"), std::string::npos) << r.error.message;
-  EXPECT_TRUE(r.report.witness.has_value());
+  EXPECT_TRUE(r.report.certificate.has_value());
 }
 
 TEST(Repair, AFoldInAPipelineRunIsRepaired) {

@@ -1,0 +1,78 @@
+// All rules, each in a file of its own (NAME_rule.cpp): how it is called, how it finds its certificate, the
+// sentence and the properties of the report that it makes of it. What each proves is said at its certificate,
+// in overtet/certificate.h.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "overtet/certificate.h"
+#include "src/certificates/rule.h"
+
+namespace overtet::rules {
+
+inline const char* name(const WindingCertificate&) { return "winding"; }
+Finding find_winding(Case& c);
+std::string explain(const WindingCertificate& c);
+Fields fields(const WindingCertificate& c);
+
+inline const char* name(const VertexCertificate&) { return "vertex"; }
+Finding find_vertex(Case& c);
+std::string explain(const VertexCertificate& c);
+Fields fields(const VertexCertificate& c);
+
+inline const char* name(const FoldCertificate&) { return "fold"; }
+Finding find_fold(Case& c);
+std::string explain(const FoldCertificate& c);
+Fields fields(const FoldCertificate& c);
+
+inline const char* name(const StackCertificate&) { return "stack"; }
+Finding find_stack(Case& c);
+std::string explain(const StackCertificate& c);
+Fields fields(const StackCertificate& c);
+
+inline const char* name(const UnpairedCertificate&) { return "unpaired"; }
+Finding find_unpaired(Case& c);
+std::string explain(const UnpairedCertificate& c);
+Fields fields(const UnpairedCertificate& c);
+
+inline const char* name(const CrowdedCertificate&) { return "crowded"; }
+Finding find_crowded(Case& c);
+std::string explain(const CrowdedCertificate& c);
+Fields fields(const CrowdedCertificate& c);
+
+inline const char* name(const LinkCertificate&) { return "link"; }
+Finding find_link(Case& c);
+std::string explain(const LinkCertificate& c);
+Fields fields(const LinkCertificate& c);
+
+inline const char* name(const SharedCertificate&) { return "shared"; }
+Finding find_shared(Case& c);
+std::string explain(const SharedCertificate& c);
+Fields fields(const SharedCertificate& c);
+
+inline const char* name(const SeparatedCertificate&) { return "unpaired"; }
+Finding find_separated(Case& c);
+std::string explain(const SeparatedCertificate& c);
+Fields fields(const SeparatedCertificate& c);
+
+inline const char* name(const GluingCertificate&) { return "gluing"; }
+Finding find_gluing(Case& c);
+std::string explain(const GluingCertificate& c);
+Fields fields(const GluingCertificate& c);
+
+// What a rule outside of the library found speaks for itself.
+inline const char* name(const CustomCertificate& c) { return c.rule.c_str(); }
+inline std::string explain(const CustomCertificate& c) { return c.explanation; }
+inline Fields fields(const CustomCertificate& c) {
+  return {{"vertices", c.vertices}, {"positions", c.positions}};
+}
+
+// In the order in which they are tried; the first that objects decides. Cheap ones come first, and those that
+// are easy to check by hand.
+inline std::vector<Rule> all() {
+  return {{find_winding}, {find_vertex}, {find_fold},   {find_stack},     {find_unpaired},
+          {find_crowded}, {find_link},   {find_shared}, {find_separated}, {find_gluing, true}};
+}
+
+}  // namespace overtet::rules

@@ -1,0 +1,21 @@
+#include "src/certificates/rules.h"
+
+namespace overtet::rules {
+
+Finding find_vertex(Case& c) {
+  const Hinge* hinge = clearest_negative(c.facts.hinges);
+  if (!hinge) return std::optional<Certificate>();
+  return std::optional<Certificate>(
+      VertexCertificate{hinge->vertex, *hinge->B0, position_of(c.surface, hinge->vertex)});
+}
+
+std::string explain(const VertexCertificate& c) {
+  return "No positive mesh exists: at vertex " + std::to_string(c.vertex) + " the integer B0 is " +
+         std::to_string(c.B0) + ", and no positive tets fill the space around such a vertex.";
+}
+
+Fields fields(const VertexCertificate& c) {
+  return {{"vertex", c.vertex}, {"B0", c.B0}, {"position", c.position}};
+}
+
+}  // namespace overtet::rules
