@@ -33,3 +33,4 @@ endif()
 configure_file(cmake/overtet.pc.in ${CMAKE_BINARY_DIR}/package/overtet.pc @ONLY)
 install(FILES ${CMAKE_BINARY_DIR}/package/overtet.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
   COMPONENT development)
+include(OvertetPackage)

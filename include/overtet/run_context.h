@@ -3,8 +3,8 @@
 // never exits and installs no signal handler.
 //
 // A context is read by many threads while a run lasts; it and what it points to must stay as they are until
-// the call returns (`*cancel` may be set at any time). The functions in it are called by the thread that
-// called the library and by others, but never by two at once for one stage; they should return quickly and
+// the call returns (`*cancel` may be set at any time). The functions in it may be called from several
+// threads at once, also from others than the one that called the library; they should return quickly and
 // must not throw.
 #pragma once
 

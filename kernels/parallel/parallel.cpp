@@ -79,8 +79,10 @@ int thread_cap() {
   return current_pool()->count;
 }
 
-ScopedThreads::ScopedThreads(int threads) : previous_(std::move(scoped_pool)) {
-  scoped_pool = std::make_shared<Pool>(threads);
+ScopedThreads::ScopedThreads(int threads) : previous_(scoped_pool) {
+  const int count = threads > 0 ? threads : tbb::info::default_concurrency();
+  if (!previous_ || std::static_pointer_cast<Pool>(previous_)->count != count)
+    scoped_pool = std::make_shared<Pool>(threads);
 }
 
 ScopedThreads::~ScopedThreads() { scoped_pool = std::move(previous_); }

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <filesystem>
 
-#include "src/io/surface_io.h"
+#include "overtet/io.h"
 #include "tests/support/flow_surfaces.h"
 
 namespace overtet::perf {

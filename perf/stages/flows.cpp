@@ -17,8 +17,8 @@
 
 #include "kernels/contact/contact.h"
 #include "kernels/parallel/parallel.h"
+#include "overtet/io.h"
 #include "src/forward_flow/forward_flow.h"
-#include "src/io/surface_io.h"
 #include "src/reverse_flow/reverse_flow.h"
 
 namespace {

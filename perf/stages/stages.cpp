@@ -16,14 +16,13 @@
 #include <vector>
 
 #include "kernels/parallel/parallel.h"
+#include "overtet/io.h"
+#include "overtet/verification.h"
 #include "src/certificates/diagnose.h"
 #include "src/immersion/immersion.h"
 #include "src/improve/improve.h"
-#include "src/io/surface_io.h"
-#include "src/io/tet_io.h"
 #include "src/pipeline/unit_box.h"
 #include "src/repair/repair.h"
-#include "src/verify/verify.h"
 
 namespace {
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "overtet/certificate.h"
+#include "overtet/diagnosis.h"
 #include "overtet/result.h"
 #include "overtet/run_context.h"
 #include "overtet/types.h"
@@ -22,14 +23,6 @@ struct DiagnoseOptions {
   std::vector<rules::Rule> rules = rules::all();
   Status validate() const { return success(); }
 };
-
-enum class Verdict {
-  bad_input,   // not a closed, oriented, manifold surface of faces with area
-  embedded,    // no two faces intersect and the winding is right: a plain tet mesh will do
-  feasible,    // passes through itself; nothing that forbids a mesh was found
-  infeasible,  // no mesh exists
-};
-const char* verdict_name(Verdict verdict);
 
 struct Diagnosis : Facts {
   Verdict verdict = Verdict::bad_input;

@@ -3,13 +3,11 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "kernels/parallel/parallel.h"
+#include "overtet/diagnosis.h"
+#include "overtet/io.h"
 #include "overtet/version.h"
 #include "src/cli/commands.h"
 #include "src/cli/signals.h"
-#include "src/io/polylines_io.h"
-#include "src/io/surface_io.h"
-#include "src/pipeline/inspection.h"
 
 namespace overtet {
 
@@ -22,8 +20,7 @@ constexpr std::size_t kListed = 20;  // of each kind in the text
 struct Findings {
   const Surface& surface;
   const SurfaceReadInfo& info;
-  const Inspection& found;
-  const CloseLook& look;
+  const SurfaceDiagnosis& diagnosis;
   bool list_pairs, list_curves;
 };
 
@@ -93,56 +90,6 @@ Json to_json(const Curve& curve, bool every_point) {
   return j;
 }
 
-// One cell a segment: the two faces and the winding numbers change along a curve.
-Polylines lines_of(const Curves& curves) {
-  Polylines out;
-  const auto field = [](std::vector<Polylines::Field>& into, const char* name, int components = 1,
-                        bool whole = true) -> std::size_t {
-    into.push_back({name, {}, components, whole});
-    return into.size() - 1;
-  };
-  auto& on_segments = out.segment_data;
-  auto& on_points = out.point_data;
-  const auto number = field(on_segments, "curve"), closed = field(on_segments, "closed"),
-             faces = field(on_segments, "faces", 2), crossing = field(on_segments, "crossing"),
-             low = field(on_segments, "winding_min"), high = field(on_segments, "winding_max"),
-             hinges = field(on_segments, "end_hinges", 2);
-  const auto kind = field(on_points, "kind"), vertex = field(on_points, "vertex"),
-             junction = field(on_points, "junction"), on = field(on_points, "on_faces", 2),
-             first = field(on_points, "barycentric_0", 3, false),
-             second = field(on_points, "barycentric_1", 3, false);
-  const auto add = [](Polylines::Field& f, double x) { f.values.push_back(x); };
-  for (std::size_t c = 0; c < curves.curves.size(); ++c) {
-    const Curve& curve = curves.curves[c];
-    Polylines::Line line;
-    line.name = "curve_" + std::to_string(c) + (curve.closed ? "_closed" : "");
-    const Index begin = static_cast<Index>(out.points.size());
-    for (const CurveNode& node : curve.nodes) {
-      line.points.push_back(static_cast<Index>(out.points.size()));
-      out.points.push_back(node.position);
-      add(on_points[kind], static_cast<int>(node.kind));
-      add(on_points[vertex], node.vertex);
-      add(on_points[junction], node.junction);
-      for (const SurfacePoint& p : node.on) add(on_points[on], p.face);
-      for (const double x : node.on[0].barycentric) add(on_points[first], x);
-      for (const double x : node.on[1].barycentric) add(on_points[second], x);
-    }
-    if (curve.closed) line.points.push_back(begin);
-    for (const CurveSegment& s : curve.segments) {
-      add(on_segments[number], static_cast<double>(c));
-      add(on_segments[closed], curve.closed);
-      for (const Index f : s.faces) add(on_segments[faces], f);
-      add(on_segments[crossing], s.crossing);
-      add(on_segments[low], s.winding_min);
-      add(on_segments[high], s.winding_max);
-      for (const int k : {0, 1})
-        add(on_segments[hinges], curve.ends[k] == Curve::End::hinge ? end_of(curve, k).vertex : -1);
-    }
-    out.lines.push_back(std::move(line));
-  }
-  return out;
-}
-
 std::string text_of(const std::array<double, 3>& p) {
   char text[96];
   std::snprintf(text, sizeof text, "(%.6g, %.6g, %.6g)", p[0], p[1], p[2]);
@@ -151,67 +98,51 @@ std::string text_of(const std::array<double, 3>& p) {
 
 std::array<double, 3> position(const Surface& s, Index v) { return {s.V(v, 0), s.V(v, 1), s.V(v, 2)}; }
 
-bool manifold(const TopologyCheck& t) {
-  return t.manifold_edges && t.manifold_vertices && t.duplicate_faces.empty();
-}
-
 Json to_json(const Findings& f) {
-  const Diagnosis& d = f.found.diagnosis;
-  const TopologyCheck& t = d.topology;
-  const InputRecord input = input_record(f.found);
+  const SurfaceDiagnosis& d = f.diagnosis;
   Json j = {{"version", version()}, {"format", f.info.format}, {"notes", f.info.notes}};
   j["verdict"] = verdict_name(d.verdict);
-  j["message"] = f.found.problem ? f.found.problem->message : d.message;
+  j["message"] = d.message;
   j["vertices"] = d.vertices;
   j["faces"] = d.faces;
-  j["closed"] = t.closed;
-  j["manifold"] = manifold(t);
-  j["oriented"] = t.oriented;
-  j["problems"] = t.problems;
+  j["closed"] = d.closed;
+  j["manifold"] = d.manifold;
+  j["oriented"] = d.oriented;
+  j["problems"] = d.problems;
   j["components"] = Json::array();
-  if (t.ok()) {
-    const auto& components = t.topology.components;
-    for (std::size_t c = 0; c < components.size(); ++c) {
-      Json one = {{"faces", components[c].faces},
-                  {"vertices", components[c].vertices},
-                  {"genus", components[c].genus}};
-      if (c < d.component_volume.size()) one["signed_volume"] = d.component_volume[c];
-      j["components"].push_back(one);
-    }
+  for (const ComponentDiagnosis& c : d.components) {
+    Json one = {{"faces", c.faces}, {"vertices", c.vertices}, {"genus", c.genus}};
+    if (c.signed_volume) one["signed_volume"] = *c.signed_volume;
+    j["components"].push_back(one);
   }
   j["degenerate_faces"] = d.degenerate_faces;
-  j["pairs"] = input.pairs;
+  j["pairs"] = d.pairs.size();
   j["pairs_sharing_vertex"] = d.pairs_sharing_vertex;
   j["pairs_sharing_edge"] = d.pairs_sharing_edge;
-  if (f.list_pairs) {
-    j["pair_list"] = Json::array();
-    for (const auto& [a, b] : d.pairs) j["pair_list"].push_back({a, b});
-  }
+  if (f.list_pairs) j["pair_list"] = d.pairs;
   j["hinges"] = Json::array();
-  for (std::size_t i = 0; i < d.hinges.size(); ++i) {
-    const Hinge& h = d.hinges[i];
+  for (const HingeDiagnosis& h : d.hinges) {
     Json hinge = {{"vertex", h.vertex},
                   {"position", position(f.surface, h.vertex)},
                   {"B0", h.B0 ? Json(*h.B0) : Json()},
                   {"covering", h.covering}};
-    hinge["crossings"] = Json::array();
-    for (const auto& [a, b] : h.crossings) hinge["crossings"].push_back({a, b});
+    hinge["crossings"] = h.crossings;
     hinge["edges"] = Json::array();
-    for (const EdgeAtHinge& e : f.look.edges[i])
+    for (const EdgeAtHinge& e : h.edges)
       hinge["edges"].push_back({{"to", e.to}, {"levels", e.levels ? Json(*e.levels) : Json()}});
     j["hinges"].push_back(hinge);
   }
-  j["odd_groups"] = d.wound.odd_groups;
-  j["crowded"] = d.wound.crowded;
-  j["unfillable"] = d.wound.unfillable;
-  j["unmet_hinges"] = d.wound.unmet;
+  j["odd_groups"] = d.odd_groups;
+  j["crowded"] = d.crowded;
+  j["unfillable"] = d.unfillable;
+  j["unmet_hinges"] = d.unmet;
   j["wound_edges"] = Json::array();
-  for (const WoundEdge& e : d.wound.edges)
+  for (const ExtraTurns& e : d.wound_edges)
     j["wound_edges"].push_back({{"a", e.a},
                                 {"b", e.b},
                                 {"k", e.k},
                                 {"positions", {position(f.surface, e.a), position(f.surface, e.b)}}});
-  const Curves& curves = f.look.curves;
+  const Curves& curves = d.curves;
   j["curves"] = Json::array();
   for (const Curve& curve : curves.curves) j["curves"].push_back(to_json(curve, f.list_curves));
   j["curve_length"] = curves.length;
@@ -225,24 +156,24 @@ Json to_json(const Findings& f) {
   }
   j["touching_pairs"] = curves.touching_pairs;
   j["coplanar_pairs"] = curves.coplanar_pairs;
-  j["winding_min"] = input.winding_min ? Json(*input.winding_min) : Json();
-  j["winding_max"] = input.winding_max ? Json(*input.winding_max) : Json();
+  j["winding_min"] = d.winding_min ? Json(*d.winding_min) : Json();
+  j["winding_max"] = d.winding_max ? Json(*d.winding_max) : Json();
   if (d.certificate) j["witness"] = Json::parse(to_json(*d.certificate));
   j["advice"] = d.advice;
   return j;
 }
 
 void print_hinges(const Findings& f) {
-  const Diagnosis& d = f.found.diagnosis;
+  const SurfaceDiagnosis& d = f.diagnosis;
   for (std::size_t h = 0; h < d.hinges.size() && h < kListed; ++h) {
-    const Hinge& hinge = d.hinges[h];
+    const HingeDiagnosis& hinge = d.hinges[h];
     std::printf(
         "            vertex %d at %s: B0 %s, %zu crossings in its link, covering %d; levels outside its "
         "edges",
         hinge.vertex, text_of(position(f.surface, hinge.vertex)).c_str(),
         hinge.B0 ? std::to_string(*hinge.B0).c_str() : "not defined", hinge.crossings.size(), hinge.covering);
     const char* comma = "";
-    for (const EdgeAtHinge& e : f.look.edges[h]) {
+    for (const EdgeAtHinge& e : hinge.edges) {
       std::printf("%s to %d:", comma, e.to);
       comma = ",";
       if (!e.levels) std::printf(" not defined");
@@ -253,25 +184,25 @@ void print_hinges(const Findings& f) {
   }
   if (d.hinges.size() > kListed)
     std::printf("            and %zu hinges more (--json lists all)\n", d.hinges.size() - kListed);
-  for (std::size_t i = 0; i < d.wound.odd_groups.size() && i < kListed; ++i) {
+  for (std::size_t i = 0; i < d.odd_groups.size() && i < kListed; ++i) {
     std::printf("unpaired   ");
-    for (const Index v : d.wound.odd_groups[i]) std::printf(" %d", v);
+    for (const Index v : d.odd_groups[i]) std::printf(" %d", v);
     std::printf("\n");
   }
-  for (std::size_t i = 0; i < d.wound.crowded.size() && i < kListed; ++i)
-    std::printf("crowded     %d\n", d.wound.crowded[i]);
-  for (std::size_t i = 0; i < d.wound.unfillable.size() && i < kListed; ++i)
-    std::printf("unfillable  %d\n", d.wound.unfillable[i]);
-  if (d.wound.edges.empty()) return;
+  for (std::size_t i = 0; i < d.crowded.size() && i < kListed; ++i)
+    std::printf("crowded     %d\n", d.crowded[i]);
+  for (std::size_t i = 0; i < d.unfillable.size() && i < kListed; ++i)
+    std::printf("unfillable  %d\n", d.unfillable[i]);
+  if (d.wound_edges.empty()) return;
   std::printf("wound       %zu edges with one turn more than they show, or as many as said:",
-              d.wound.edges.size());
-  for (std::size_t i = 0; i < d.wound.edges.size() && i < kListed; ++i) {
-    const WoundEdge& e = d.wound.edges[i];
+              d.wound_edges.size());
+  for (std::size_t i = 0; i < d.wound_edges.size() && i < kListed; ++i) {
+    const ExtraTurns& e = d.wound_edges[i];
     std::printf("%s %d-%d from %s to %s", i > 0 ? "," : "", e.a, e.b,
                 text_of(position(f.surface, e.a)).c_str(), text_of(position(f.surface, e.b)).c_str());
     if (e.k > 1) std::printf(" (%d turns)", e.k);
   }
-  std::printf("%s\n", d.wound.edges.size() > kListed ? ", ..." : "");
+  std::printf("%s\n", d.wound_edges.size() > kListed ? ", ..." : "");
 }
 
 void print_curves(const Curves& curves) {
@@ -305,38 +236,31 @@ void print_curves(const Curves& curves) {
 }
 
 void print(const Findings& f) {
-  const Diagnosis& d = f.found.diagnosis;
-  const TopologyCheck& t = d.topology;
-  const InputRecord input = input_record(f.found);
+  const SurfaceDiagnosis& d = f.diagnosis;
   std::printf("file        %s\n", f.info.format.c_str());
   for (const std::string& note : f.info.notes) std::printf("note        %s\n", note.c_str());
   std::printf("size        %d vertices, %d faces\n", d.vertices, d.faces);
-  std::printf("closed      %s\nmanifold    %s\noriented    %s\n", yes(t.closed), yes(manifold(t)),
-              yes(t.oriented));
-  for (const std::string& problem : t.problems) std::printf("problem     %s\n", problem.c_str());
-  if (t.ok()) {
-    const auto& components = t.topology.components;
-    for (std::size_t c = 0; c < components.size() && c < kListed; ++c)
-      std::printf("component   %d faces, genus %d%s\n", components[c].faces, components[c].genus,
-                  c < d.component_volume.size() && d.component_volume[c] < 0 ? ", faces inwards" : "");
-    if (components.size() > kListed)
-      std::printf("            and %zu components more\n", components.size() - kListed);
-  }
+  std::printf("closed      %s\nmanifold    %s\noriented    %s\n", yes(d.closed), yes(d.manifold),
+              yes(d.oriented));
+  for (const std::string& problem : d.problems) std::printf("problem     %s\n", problem.c_str());
+  const std::size_t components = d.components.size();
+  for (std::size_t c = 0; c < components && c < kListed; ++c)
+    std::printf("component   %d faces, genus %d%s\n", d.components[c].faces, d.components[c].genus,
+                d.components[c].signed_volume.value_or(0) < 0 ? ", faces inwards" : "");
+  if (components > kListed) std::printf("            and %zu components more\n", components - kListed);
   if (!d.degenerate_faces.empty())
     std::printf("degenerate  %zu faces without area, the first is %d\n", d.degenerate_faces.size(),
                 d.degenerate_faces[0]);
-  if (input.winding_min) {
-    std::printf("crossings   %lld pairs of faces\n", static_cast<long long>(input.pairs));
-    std::printf("hinges      %lld vertices whose one-ring crosses itself\n",
-                static_cast<long long>(input.hinges));
+  if (d.winding_min) {
+    std::printf("crossings   %zu pairs of faces\n", d.pairs.size());
+    std::printf("hinges      %zu vertices whose one-ring crosses itself\n", d.hinges.size());
     print_hinges(f);
-    print_curves(f.look.curves);
-    std::printf("winding     %d to %d\n", *input.winding_min, *input.winding_max);
+    print_curves(d.curves);
+    std::printf("winding     %d to %d\n", *d.winding_min, *d.winding_max);
   }
   if (f.list_pairs)
     for (const auto& [a, b] : d.pairs) std::printf("pair        %d %d\n", a, b);
-  std::printf("verdict     %s: %s\n", verdict_name(d.verdict),
-              (f.found.problem ? f.found.problem->message : d.message).c_str());
+  std::printf("verdict     %s: %s\n", verdict_name(d.verdict), d.message.c_str());
   if (d.certificate) std::printf("witness     %s\n", to_json(*d.certificate).c_str());
   for (const std::string& advice : d.advice) std::printf("advice      %s\n", advice.c_str());
 }
@@ -344,43 +268,37 @@ void print(const Findings& f) {
 }  // namespace
 
 int run(const InspectCommand& command, const CommonOptions& common, Terminal& terminal) {
-  PolylinesFormat format = PolylinesFormat::vtp;
+  CurveFormat format = CurveFormat::vtp;
   if (!command.save_curves.empty()) {
-    const Result<PolylinesFormat> named = polylines_format_of(command.save_curves);
+    const Result<CurveFormat> named = curve_format_of(command.save_curves);
     if (!named) return fail(terminal, named.error());
     format = named.value();
     if (command.save_curves == command.input)
       return fail(terminal, {ErrorCode::usage, "The input would be overwritten by the curves."});
   }
   const RunContext context = common.context(terminal);
-  const ScopedThreads threads(common.threads);
   Watchdog watchdog(context.deadline, context.memory_limit_bytes,
                     [&](const Error& error) { terminal.error(with_hint(error)); });
   SurfaceReadInfo info;
-  const Result<Surface> surface = read_surface(command.input, &info);
+  const Result<Surface> surface = read_surface(command.input, &info, context);
   if (!surface) return fail(terminal, surface.error());
-  const Result<Inspection> found = inspect(surface.value(), InspectionDepth::everything, context);
+  const Result<SurfaceDiagnosis> found = diagnose(surface.value(), context);
   if (!found) return fail(terminal, found.error());
-  CloseLook look;
-  if (found.value().usable()) {
-    Result<CloseLook> looked = look_closely(surface.value(), found.value(), context);
-    if (!looked) return fail(terminal, looked.error());
-    look = std::move(looked).value();
-  }
+  const SurfaceDiagnosis& diagnosis = found.value();
   watchdog.dismiss();
   if (!command.save_curves.empty())
-    if (Status s = write_polylines(command.save_curves, lines_of(look.curves), format); !s)
+    if (Status s = write_curves(command.save_curves, diagnosis.curves, format, context); !s)
       return fail(terminal, s.error());
   terminal.clear();
-  const Findings findings{surface.value(), info, found.value(), look, command.pairs, command.curves};
+  const Findings findings{surface.value(), info, diagnosis, command.pairs, command.curves};
   if (command.json)
     std::puts(to_json(findings).dump(2, ' ', false, Json::error_handler_t::replace).c_str());
   else
     print(findings);
   if (std::fflush(stdout) != 0) return fail(terminal, {ErrorCode::io, "Cannot write to standard output."});
   // A surface that cannot be used is bad input here too; one that no mesh exists for was inspected well.
-  const auto& problem = found.value().problem;
-  return problem && problem->code == ErrorCode::bad_input ? fail(terminal, *problem) : 0;
+  return diagnosis.verdict == Verdict::bad_input ? fail(terminal, {ErrorCode::bad_input, diagnosis.message})
+                                                 : 0;
 }
 
 }  // namespace overtet

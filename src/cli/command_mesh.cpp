@@ -2,15 +2,12 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <optional>
+#include <functional>
 
-#include "kernels/parallel/parallel.h"
+#include "overtet/io.h"
+#include "overtet/meshing.h"
 #include "src/cli/commands.h"
 #include "src/cli/signals.h"
-#include "src/io/file.h"
-#include "src/io/surface_io.h"
-#include "src/io/tet_io.h"
-#include "src/pipeline/pipeline.h"
 
 namespace overtet {
 
@@ -41,11 +38,7 @@ std::vector<Figure> options_of(const MeshCommand& c, const CommonOptions& common
 }
 
 Status write_report(const std::string& path, const Report& report) {
-  if (path.empty()) return success();
-  AtomicFile file;
-  if (Status s = file.open(path); !s) return s;
-  if (Status s = file.write(to_json(report)); !s) return s;
-  return file.commit();
+  return path.empty() ? success() : write_text(path, to_json(report));
 }
 
 std::string plain(double x, int digits) {
@@ -61,11 +54,47 @@ std::string what_was_moved(const Report& r) {
          plain(100 * r.max_relative_move, 4) + " % of its diagonal at most.";
 }
 
-std::string what_was_made(const MeshCommand& c, const PipelineResult& r, double seconds) {
-  return c.output + ": " + std::to_string(r.mesh.V.rows()) + " vertices, " + std::to_string(r.mesh.T.rows()) +
-         " tets, smallest dihedral angle " + plain(r.report.quality ? r.report.quality->dihedral_min : 0, 2) +
-         " degrees (" + plain(r.report.quality ? r.report.quality->dihedral_p01 : 0, 1) +
-         " at 1 %), checked exactly, " + plain(seconds, 1) + " s." + what_was_moved(r.report);
+std::string what_was_made(const MeshCommand& c, const Meshing& m, const Report& report) {
+  return c.output + ": " + std::to_string(m.mesh.V.rows()) + " vertices, " + std::to_string(m.mesh.T.rows()) +
+         " tets, smallest dihedral angle " + plain(m.quality.dihedral_min, 2) + " degrees (" +
+         plain(m.quality.dihedral_p01, 1) + " at 1 %), checked exactly, " + plain(report.seconds, 1) + " s." +
+         what_was_moved(report);
+}
+
+MeshingOptions meshing_options(const MeshCommand& c) {
+  MeshingOptions o;
+  o.preset = c.preset == "default" ? Preset::standard : Preset::flow;
+  o.on_infeasible = c.on_infeasible == "repair" ? OnInfeasible::repair : OnInfeasible::reject;
+  o.max_repair_move = c.max_move / 100;
+  o.improve_degrees = c.improve_degrees;
+  o.save_stages = c.save_stages;
+  o.resume = c.resume;
+  return o;
+}
+
+// Reads, meshes and writes; `dismiss` is called when everything that takes long is over: a file that has its
+// name already is not taken back. What there is to tell is in the report, whatever happens.
+Result<Meshing> make_mesh(const MeshCommand& command, TetFormat format, const RunContext& context,
+                          Terminal& terminal, const std::function<void()>& dismiss, Report& report) {
+  context.report("read", 0);
+  SurfaceReadInfo info;
+  const Result<Surface> surface = read_surface(command.input, &info, context);
+  if (!surface) {
+    dismiss();
+    report.input.format = info.format;
+    report.input.notes = info.notes;
+    return surface.error();
+  }
+  for (const std::string& note : info.notes) terminal.say(note);
+  Result<Meshing> made = tetrahedralize(surface.value(), meshing_options(command), context, &report);
+  report.input.format = info.format;
+  report.input.notes = info.notes;
+  dismiss();
+  if (!made) return made;
+  if (interrupt_flag()) return Error{ErrorCode::interrupted, "Interrupted; nothing was written."};
+  context.report("write", 0);
+  if (Status s = write_tets(command.output, made.value().mesh, format, context); !s) return s.error();
+  return made;
 }
 
 }  // namespace
@@ -79,20 +108,16 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
                 {ErrorCode::usage, "The input would be overwritten; choose another name for the output."});
   if (same_file(command.output, command.report))
     return fail(terminal, {ErrorCode::usage, "The output and the report have the same name."});
-  OutputProbe output, report;
-  if (Status s = output.open(command.output); !s) return fail(terminal, s.error());
+  OutputProbe output_probe, report_probe;
+  if (Status s = output_probe.open(command.output); !s) return fail(terminal, s.error());
   if (!command.report.empty())
-    if (Status s = report.open(command.report); !s) return fail(terminal, s.error());
+    if (Status s = report_probe.open(command.report); !s) return fail(terminal, s.error());
 
   const RunContext context = common.context(terminal);
-  const ScopedThreads threads(common.threads);
-  PipelineResult result;
-  result.report.options = options_of(command, common, format.value());
-  const std::vector<Figure> options = result.report.options;
+  const std::vector<Figure> options = options_of(command, common, format.value());
   const auto seconds = [&] {
     return std::chrono::duration<double>(RunContext::Clock::now() - common.start).count();
   };
-
   Watchdog watchdog(context.deadline, context.memory_limit_bytes, [&](const Error& error) {
     terminal.error(with_hint(error));
     if (error.code == ErrorCode::interrupted) return;
@@ -104,55 +129,22 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
     (void)write_report(command.report, late).ok();
   });
 
-  context.report("read", 0);
-  SurfaceReadInfo info;
-  Result<Surface> surface = read_surface(command.input, &info);
-  if (surface.ok()) {
-    for (const std::string& note : info.notes) terminal.say(note);
-    PipelineOptions o;
-    o.preset = command.preset == "default" ? Preset::standard : Preset::flow;
-    o.on_infeasible = command.on_infeasible == "repair" ? OnInfeasible::repair : OnInfeasible::reject;
-    o.max_repair_move = command.max_move / 100;
-    o.improve_degrees = command.improve_degrees;
-    o.save_stages = command.save_stages;
-    o.resume = command.resume;
-    result = run_pipeline(surface.value(), o, context);
-    result.report.options = options;
-    if (!result.ok()) result.report.message = with_hint(result.error);
-  } else {
-    result.error = surface.error();
-    result.report.status = status_of(result.error.code);
-    result.report.message = result.error.message;
-  }
-  result.report.input.format = info.format;
-  result.report.input.notes = info.notes;
-
-  // From here on everything is quick, and a file that has its name already is not taken back.
-  watchdog.dismiss();
-  if (result.ok() && interrupt_flag()) {
-    result.report.status = RunStatus::interrupted;
-    result.error = {ErrorCode::interrupted, "Interrupted; nothing was written."};
-  }
-  if (result.ok()) {
-    context.report("write", 0);
-    if (Status s = write_tets(command.output, result.mesh, format.value()); !s) {
-      result.error = s.error();
-      result.report.status = RunStatus::failed;
-      result.report.message = s.error().message;
-    }
-  }
-  result.report.seconds = seconds();
-  if (result.ok()) result.report.message = what_was_made(command, result, result.report.seconds);
+  Report report;
+  const Result<Meshing> made = make_mesh(
+      command, format.value(), context, terminal, [&] { watchdog.dismiss(); }, report);
+  report.options = options;
+  report.seconds = seconds();
+  if (!made) report.status = status_of(made.error().code);
+  report.message = made ? what_was_made(command, made.value(), report) : with_hint(made.error());
   terminal.clear();
-  const bool made = result.ok();
-  if (result.report.status != RunStatus::interrupted) {
-    if (Status s = write_report(command.report, result.report); !s) {
+  if (report.status != RunStatus::interrupted) {
+    if (Status s = write_report(command.report, report); !s) {
       if (made) return fail(terminal, s.error());
       terminal.error(s.error().message);
     }
   }
-  if (!made) return fail(terminal, result.error);
-  terminal.say(result.report.message);
+  if (!made) return fail(terminal, made.error());
+  terminal.say(report.message);
   return 0;
 }
 

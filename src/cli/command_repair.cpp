@@ -1,12 +1,9 @@
 #include <cstdio>
 
-#include "kernels/parallel/parallel.h"
+#include "overtet/io.h"
+#include "overtet/repair.h"
 #include "src/cli/commands.h"
 #include "src/cli/signals.h"
-#include "src/io/file.h"
-#include "src/io/surface_io.h"
-#include "src/io/tet_io.h"
-#include "src/pipeline/pipeline.h"
 
 namespace overtet {
 
@@ -28,30 +25,25 @@ int run(const RepairCommand& command, const CommonOptions& common, Terminal& ter
   OutputProbe output;
   if (Status s = output.open(command.output); !s) return fail(terminal, s.error());
   const RunContext context = common.context(terminal);
-  const ScopedThreads threads(common.threads);
   Watchdog watchdog(context.deadline, context.memory_limit_bytes,
                     [&](const Error& error) { terminal.error(with_hint(error)); });
-  const Result<Surface> surface = read_surface(command.input);
+  const Result<Surface> surface = read_surface(command.input, nullptr, context);
   if (!surface) return fail(terminal, surface.error());
-  PipelineOptions options;
-  options.on_infeasible = OnInfeasible::repair;
-  options.max_repair_move = command.max_move / 100;
-  options.improve_degrees = 0;
-  const PipelineResult result = run_pipeline(surface.value(), options, context);
+  SurfaceRepairOptions options;
+  options.max_relative_move = command.max_move / 100;
+  const Result<SurfaceRepair> repaired = repair_surface(surface.value(), options, context);
   watchdog.dismiss();
-  if (!result.ok()) return fail(terminal, result.error);
+  if (!repaired) return fail(terminal, repaired.error());
   if (interrupt_flag()) return fail(terminal, {ErrorCode::interrupted, "Interrupted; nothing was written."});
-  Surface repaired = surface.value();
-  repaired.V = result.mesh.V.topRows(repaired.V.rows());
-  if (Status s = write_surface(command.output, repaired, format.value()); !s)
+  const SurfaceRepair& r = repaired.value();
+  if (Status s = write_surface(command.output, r.surface, format.value(), context); !s)
     return fail(terminal, s.error());
   terminal.clear();
-  const Report& r = result.report;
   char most[96];
   std::snprintf(most, sizeof most, "%.4f %% of the diagonal at most (%.4f in the mean).",
                 100 * r.max_relative_move, 100 * r.mean_relative_move);
-  terminal.say(command.output + ": " + std::to_string(r.moved_vertices) + " of " +
-               std::to_string(repaired.V.rows()) + " vertices moved, by " + most + " It has a tet mesh.");
+  terminal.say(command.output + ": " + std::to_string(r.moved.size()) + " of " +
+               std::to_string(r.surface.V.rows()) + " vertices moved, by " + most + " It has a tet mesh.");
   return 0;
 }
 

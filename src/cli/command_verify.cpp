@@ -1,24 +1,21 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "kernels/parallel/parallel.h"
+#include "overtet/io.h"
+#include "overtet/verification.h"
 #include "src/cli/commands.h"
 #include "src/cli/signals.h"
-#include "src/io/surface_io.h"
-#include "src/io/tet_io.h"
-#include "src/verify/verify.h"
 
 namespace overtet {
 
 int run(const VerifyCommand& command, const CommonOptions& common, Terminal& terminal) {
   const RunContext context = common.context(terminal);
-  const ScopedThreads threads(common.threads);
   Watchdog watchdog(context.deadline, context.memory_limit_bytes,
                     [&](const Error& error) { terminal.error(with_hint(error)); });
   SurfaceReadInfo info;
-  const Result<Surface> surface = read_surface(command.surface, &info);
+  const Result<Surface> surface = read_surface(command.surface, &info, context);
   if (!surface) return fail(terminal, surface.error());
-  const Result<TetMesh> mesh = read_tets(command.mesh);
+  const Result<TetMesh> mesh = read_tets(command.mesh, context);
   if (!mesh) return fail(terminal, mesh.error());
   VerifyOptions options;
   options.geometry_only = !info.has_vertex_order;
@@ -27,7 +24,7 @@ int run(const VerifyCommand& command, const CommonOptions& common, Terminal& ter
   if (!r.complete)
     return fail(terminal, context.stop().value_or(Error{ErrorCode::interrupted, "Interrupted."}));
   const bool readable = !r.fails(Rule::R1);
-  const TetQuality q = readable ? tet_quality(mesh.value()) : TetQuality{};
+  const TetQuality q = readable ? tet_quality(mesh.value(), context) : TetQuality{};
   watchdog.dismiss();
   if (command.json) {
     nlohmann::ordered_json j = {{"ok", r.ok()},

@@ -10,8 +10,8 @@
 #include <string>
 #include <string_view>
 
+#include "overtet/io.h"
 #include "overtet/run_context.h"
-#include "src/io/file.h"
 
 namespace overtet {
 

@@ -242,9 +242,12 @@ Status AtomicFile::commit() {
   return ::close(fd) == 0 ? success() : Status(error("write", errno));
 }
 
+OutputProbe::OutputProbe() : file_(std::make_unique<AtomicFile>()) {}
+OutputProbe::~OutputProbe() = default;
+
 Status OutputProbe::open(const std::string& path) {
-  Status opened = file_.open(path);
-  if (!file_.direct_) file_.abandon();
+  Status opened = file_->open(path);
+  if (!file_->direct_) file_->abandon();
   return opened;
 }
 

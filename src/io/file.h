@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "kernels/parallel/parallel.h"
+#include "overtet/io.h"
 #include "overtet/result.h"
 
 namespace overtet {
@@ -50,19 +51,6 @@ class AtomicFile {
   bool direct_ = false;
   bool synced_ = false;
 };
-
-// Whether there can be a file of this name: asked before hours of work. A pipe is kept open until this is
-// destroyed, since who reads from it would take it for the end if it was closed.
-class OutputProbe {
- public:
-  Status open(const std::string& path);
-
- private:
-  AtomicFile file_;
-};
-
-// Takes away what files that are being written have left so far. Only for who ends the program at once.
-void remove_unfinished_files();
 
 // Text being put together. Numbers are written in the shortest form that reads back as the same double, so
 // that a file holds exactly what was checked.

@@ -1,5 +1,5 @@
 // Polylines with data, for looking at: VTP (ParaView; one line cell a segment, data on cells and points) and
-// OBJ (one group with one `l` element a line, no data).
+// OBJ (one group with one `l` element a line, no data). Internal to src/io.
 #pragma once
 
 #include <array>
@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "overtet/io.h"
 #include "overtet/result.h"
 #include "overtet/types.h"
 
@@ -29,10 +30,7 @@ struct Polylines {
   std::vector<Field> point_data;
 };
 
-enum class PolylinesFormat { vtp, obj };
-Result<PolylinesFormat> polylines_format_of(const std::string& path);  // by extension
-
 // Atomic. Coordinates read back as the same doubles.
-Status write_polylines(const std::string& path, const Polylines& polylines, PolylinesFormat format);
+Status write_polylines(const std::string& path, const Polylines& polylines, CurveFormat format);
 
 }  // namespace overtet

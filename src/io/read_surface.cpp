@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cctype>
 
+#include "overtet/io.h"
 #include "src/io/file.h"
-#include "src/io/surface_io.h"
 #include "src/io/surface_parts.h"
 #include "src/io/text.h"
 
@@ -38,7 +38,8 @@ std::string sniff(std::string_view bytes) {
 
 }  // namespace
 
-Result<Surface> read_surface(const std::string& path, SurfaceReadInfo* info_out) {
+Result<Surface> read_surface(const std::string& path, SurfaceReadInfo* info_out, const RunContext& context) {
+  const ScopedThreads threads(context.threads > 0 ? context.threads : thread_cap());
   Result<std::string> file = read_file(path);
   if (!file) return file.error();
   const std::string_view bytes = file.value();

@@ -1,3 +1,5 @@
+#include "overtet/io.h"
+
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -6,7 +8,6 @@
 
 #include "src/io/file.h"
 #include "src/io/surface_parts.h"
-#include "src/io/tet_io.h"
 #include "src/io/text.h"
 #include "src/io/vtu.h"
 
@@ -299,7 +300,8 @@ Result<TetMesh> read_tetgen(const std::string& base) {
 
 }  // namespace
 
-Result<TetMesh> read_tets(const std::string& path) {
+Result<TetMesh> read_tets(const std::string& path, const RunContext& context) {
+  const ScopedThreads threads(context.threads > 0 ? context.threads : thread_cap());
   const Result<TetFormat> format = tet_format_of(path);
   if (!format)
     return Error{ErrorCode::usage,

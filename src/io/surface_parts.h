@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
+#include "overtet/io.h"
 #include "overtet/result.h"
 #include "overtet/types.h"
-#include "src/io/surface_io.h"
 
 namespace overtet::io_detail {
 

@@ -66,17 +66,17 @@ void write_obj_lines(TextWriter& out, const Polylines& p) {
 
 }  // namespace
 
-Result<PolylinesFormat> polylines_format_of(const std::string& path) {
-  if (path.ends_with(".vtp")) return PolylinesFormat::vtp;
-  if (path.ends_with(".obj")) return PolylinesFormat::obj;
+Result<CurveFormat> curve_format_of(const std::string& path) {
+  if (path.ends_with(".vtp")) return CurveFormat::vtp;
+  if (path.ends_with(".obj")) return CurveFormat::obj;
   return Error{ErrorCode::usage, "Curves are written as .vtp or .obj; " + path + " is neither."};
 }
 
-Status write_polylines(const std::string& path, const Polylines& polylines, PolylinesFormat format) {
+Status write_polylines(const std::string& path, const Polylines& polylines, CurveFormat format) {
   AtomicFile file;
   if (Status s = file.open(path); !s) return s;
   TextWriter out(file);
-  if (format == PolylinesFormat::vtp)
+  if (format == CurveFormat::vtp)
     write_vtp(out, polylines);
   else
     write_obj_lines(out, polylines);

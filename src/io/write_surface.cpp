@@ -1,8 +1,8 @@
 #include <bit>
 #include <cstring>
 
+#include "overtet/io.h"
 #include "src/io/file.h"
-#include "src/io/surface_io.h"
 
 namespace overtet {
 
@@ -76,7 +76,9 @@ Result<SurfaceFormat> surface_format_of(const std::string& path) {
   return Error{ErrorCode::usage, "Surfaces are written as .off, .obj or .ply, not as " + path + "."};
 }
 
-Status write_surface(const std::string& path, const Surface& surface, SurfaceFormat format) {
+Status write_surface(const std::string& path, const Surface& surface, SurfaceFormat format,
+                     const RunContext& context) {
+  const ScopedThreads threads(context.threads > 0 ? context.threads : thread_cap());
   AtomicFile file;
   if (Status s = file.open(path); !s) return s;
   TextWriter out(file);

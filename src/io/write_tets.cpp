@@ -1,10 +1,11 @@
+#include "overtet/io.h"
+
 #include <algorithm>
 #include <bit>
 #include <cstring>
 #include <vector>
 
 #include "src/io/file.h"
-#include "src/io/tet_io.h"
 
 namespace overtet {
 
@@ -163,7 +164,8 @@ Result<TetFormat> tet_format_of(const std::string& path) {
                    " cannot be told from its name: use .mesh, .msh, .vtu or .node, or name the format."};
 }
 
-Status write_tets(const std::string& path, const TetMesh& mesh, TetFormat format) {
+Status write_tets(const std::string& path, const TetMesh& mesh, TetFormat format, const RunContext& context) {
+  const ScopedThreads threads(context.threads > 0 ? context.threads : thread_cap());
   AtomicFile file, second;
   Status status = success();
   switch (format) {

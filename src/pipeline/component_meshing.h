@@ -10,6 +10,7 @@
 
 #include <vector>
 
+#include "overtet/report.h"
 #include "overtet/run_context.h"
 #include "overtet/types.h"
 #include "src/certificates/diagnose.h"

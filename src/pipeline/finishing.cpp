@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "overtet/verification.h"
 #include "src/improve/improve.h"
 #include "src/pipeline/stage_clock.h"
-#include "src/verify/verify.h"
 
 namespace overtet {
 

@@ -3,16 +3,16 @@
 
 #include <vector>
 
+#include "overtet/report.h"
 #include "overtet/run_context.h"
 #include "overtet/types.h"
 #include "src/pipeline/unit_box.h"
-#include "src/report/report.h"
 
 namespace overtet {
 
 struct FinishingJob {
   const Surface& input;    // as it was read
-  double improve_degrees;  // PipelineOptions
+  double improve_degrees;  // MeshingOptions
   const RunContext& context;
   std::vector<StageRecord>& records;
 };

@@ -5,13 +5,13 @@
 #include <optional>
 
 #include "kernels/bvh/self_intersections.h"
+#include "overtet/verification.h"
 #include "src/forward_flow/forward_flow.h"
 #include "src/pipeline/locked_patch.h"
 #include "src/pipeline/stage_clock.h"
 #include "src/pipeline/tuning.h"
 #include "src/reverse_flow/reverse_flow.h"
 #include "src/tet_mesh/tet_mesh.h"
-#include "src/verify/verify.h"
 #include "src/volume_map/volume_map.h"
 
 namespace overtet {

@@ -6,12 +6,13 @@
 #include <string>
 #include <vector>
 
+#include "overtet/diagnosis.h"
+#include "overtet/report.h"
 #include "overtet/run_context.h"
 #include "overtet/types.h"
 #include "src/arrangement/curves.h"
 #include "src/certificates/diagnose.h"
 #include "src/pipeline/unit_box.h"
-#include "src/report/report.h"
 
 namespace overtet {
 
@@ -40,12 +41,6 @@ Status look_for_conflict(const Surface& surface, Inspection& inspection, const R
 InputRecord input_record(const Inspection& inspection);
 
 // What nobody needs in order to mesh, but a person wants to see.
-struct EdgeAtHinge {
-  Index to = -1;  // the edge's other vertex
-  // The winding number on its outer side, from the hinge on, part by part between its crossings with other
-  // faces: what bounds the extra turns. None where the edge runs inside another face.
-  std::optional<std::vector<int>> levels;
-};
 struct CloseLook {
   std::vector<std::vector<EdgeAtHinge>> edges;  // of each hinge of the diagnosis
   Curves curves;

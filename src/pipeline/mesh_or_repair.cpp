@@ -26,7 +26,7 @@ struct FirstFailure {
 };
 
 // The mesh of the surface as it is, or nothing and why.
-Result<std::optional<TetMesh>> mesh_as_it_is(const Surface& surface, const PipelineOptions& options,
+Result<std::optional<TetMesh>> mesh_as_it_is(const Surface& surface, const MeshingOptions& options,
                                              const RunContext& context, Report& report,
                                              FirstFailure& failure) {
   SurfaceRun run(surface, {}, options, context, report.stages);
@@ -65,10 +65,10 @@ class MovesOfParts {
 // Each part by itself, repaired where it has no mesh. Nothing is said of how they lie to each other, so none
 // is moved because of another one. Errors: of the first part that could not be repaired.
 Result<MeshedSurface> repair_by_parts(const Surface& surface, const std::vector<PartSurface>& parts,
-                                      const PipelineOptions& options, const RunContext& context,
+                                      const MeshingOptions& options, const RunContext& context,
                                       std::vector<StageRecord>& records) {
   const double diagonal = diagonal_of(surface);
-  PipelineOptions own = options;
+  MeshingOptions own = options;
   own.save_stages.clear();
   own.resume.clear();
   Surface repaired = surface;
@@ -94,7 +94,7 @@ Result<MeshedSurface> repair_by_parts(const Surface& surface, const std::vector<
   return MeshedSurface{std::move(whole).value(), moves.all()};
 }
 
-Result<MeshedSurface> repair_whole(const Surface& surface, const PipelineOptions& options,
+Result<MeshedSurface> repair_whole(const Surface& surface, const MeshingOptions& options,
                                    const RunContext& context, std::vector<StageRecord>& records,
                                    const FirstFailure& first) {
   const RepairJob job{surface, options, context, records, diagonal_of(surface)};
@@ -102,8 +102,8 @@ Result<MeshedSurface> repair_whole(const Surface& surface, const PipelineOptions
   if (!repaired) return repaired.error();
   RepairedMesh& r = repaired.value();
   // Attempts are improved as far as is usual.
-  const bool good_already = r.state == RepairedMesh::State::finished &&
-                            options.improve_degrees <= PipelineOptions().improve_degrees;
+  const bool good_already =
+      r.state == RepairedMesh::State::finished && options.improve_degrees <= MeshingOptions().improve_degrees;
   Result<TetMesh> mesh = finish_given(
       {r.surface, good_already ? 0 : options.improve_degrees, context, records}, std::move(r.mesh));
   if (!mesh) return mesh.error();
@@ -112,7 +112,7 @@ Result<MeshedSurface> repair_whole(const Surface& surface, const PipelineOptions
 
 }  // namespace
 
-Result<MeshedSurface> mesh_or_repair(const Surface& surface, const PipelineOptions& options,
+Result<MeshedSurface> mesh_or_repair(const Surface& surface, const MeshingOptions& options,
                                      const RunContext& context, Report& report) {
   FirstFailure first;
   Result<std::optional<TetMesh>> mesh = mesh_as_it_is(surface, options, context, report, first);

@@ -20,7 +20,7 @@ struct MeshedSurface {
 // Into the report goes what is found of the surface as it was read, and the stages' records as they come;
 // nothing of what was tried in vain. What the mesh is like is not.
 // Errors: why there is no mesh.
-Result<MeshedSurface> mesh_or_repair(const Surface& surface, const PipelineOptions& options,
+Result<MeshedSurface> mesh_or_repair(const Surface& surface, const MeshingOptions& options,
                                      const RunContext& context, Report& report);
 
 }  // namespace overtet

@@ -4,13 +4,13 @@
 #include <optional>
 #include <vector>
 
+#include "overtet/report.h"
 #include "overtet/run_context.h"
 #include "overtet/types.h"
 #include "src/certificates/diagnose.h"
 #include "src/pipeline/pipeline.h"
 #include "src/pipeline/stage_files.h"
 #include "src/pipeline/unit_box.h"
-#include "src/report/report.h"
 
 namespace overtet {
 

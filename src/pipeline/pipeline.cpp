@@ -8,7 +8,6 @@
 #include "kernels/parallel/parallel.h"
 #include "src/pipeline/mesh_or_repair.h"
 #include "src/run/run_monitor.h"
-#include "src/verify/verify.h"
 
 namespace overtet {
 
@@ -41,7 +40,7 @@ void fail(Error e, PipelineResult& result) {
 
 }  // namespace
 
-Status PipelineOptions::validate() const {
+Status MeshingOptions::validate() const {
   if (!(improve_degrees >= 0 && improve_degrees <= 40))
     return Error{ErrorCode::usage, "The angle for the quality pass must lie between 0 and 40 degrees."};
   if (!(max_repair_move > 0 && max_repair_move <= 1))
@@ -49,27 +48,7 @@ Status PipelineOptions::validate() const {
   return success();
 }
 
-RunStatus status_of(ErrorCode code) {
-  switch (code) {
-    case ErrorCode::bad_input:
-      return RunStatus::bad_input;
-    case ErrorCode::unsolved:
-      return RunStatus::unsolved;
-    case ErrorCode::infeasible:
-      return RunStatus::infeasible;
-    case ErrorCode::limit:
-      return RunStatus::limit;
-    case ErrorCode::interrupted:
-      return RunStatus::interrupted;
-    case ErrorCode::usage:
-    case ErrorCode::io:
-    case ErrorCode::internal:
-      return RunStatus::failed;
-  }
-  return RunStatus::failed;
-}
-
-PipelineResult run_pipeline(const Surface& surface, const PipelineOptions& options, const RunContext& outer) {
+PipelineResult run_pipeline(const Surface& surface, const MeshingOptions& options, const RunContext& outer) {
   PipelineResult result;
   const auto start = RunContext::Clock::now();
   if (Status s = options.validate(); !s) {

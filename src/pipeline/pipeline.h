@@ -16,26 +16,13 @@
 
 #include <string>
 
+#include "overtet/meshing.h"
+#include "overtet/report.h"
 #include "overtet/run_context.h"
 #include "overtet/types.h"
 #include "src/pipeline/result_hash.h"
-#include "src/report/report.h"
 
 namespace overtet {
-
-enum class Preset { standard, flow };
-enum class OnInfeasible { reject, repair };
-
-struct PipelineOptions {
-  Preset preset = Preset::standard;
-  OnInfeasible on_infeasible = OnInfeasible::reject;
-  double max_repair_move = 0.06;  // of a vertex, relative to the diagonal of the bounding box
-  double improve_degrees = 17;    // smallest dihedral angle that the quality pass aims at; 0: no pass
-  std::string save_stages;        // folder for the intermediate states; empty: none
-  std::string resume;             // folder to take them from; empty: none
-
-  Status validate() const;
-};
 
 struct PipelineResult {
   TetMesh mesh;  // only when error.code is none: ok()
@@ -46,10 +33,6 @@ struct PipelineResult {
 };
 
 // Never throws: what is thrown below (no memory left, a bug) comes back as an error.
-PipelineResult run_pipeline(const Surface& surface, const PipelineOptions& options,
-                            const RunContext& context);
-
-// The report's status for an error.
-RunStatus status_of(ErrorCode code);
+PipelineResult run_pipeline(const Surface& surface, const MeshingOptions& options, const RunContext& context);
 
 }  // namespace overtet

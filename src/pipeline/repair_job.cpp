@@ -15,9 +15,9 @@ namespace {
 
 // What is pulled back to the input locks early where it is made of bad tets. Always the same, so that the
 // repaired surface does not depend on what becomes of the mesh afterwards.
-PipelineOptions options_of_attempts(const RepairJob& job) {
-  PipelineOptions options = job.options;
-  options.improve_degrees = PipelineOptions().improve_degrees;
+MeshingOptions options_of_attempts(const RepairJob& job) {
+  MeshingOptions options = job.options;
+  options.improve_degrees = MeshingOptions().improve_degrees;
   options.resume.clear();  // its states are the input's
   return options;
 }
@@ -63,7 +63,7 @@ bool repairable(const Error& e) {
 }
 
 MeshAttempt mesh_moved(const RepairJob& job, const Surface& moved, Need need) {
-  const PipelineOptions options = options_of_attempts(job);
+  const MeshingOptions options = options_of_attempts(job);
   SurfaceRun run(moved, {SurfaceRunSetup::Origin::repaired, need == Need::luxury ? kShortPatience : 1.0},
                  options, job.context, job.records);
   Result<TetMesh> mesh = run.go();

@@ -7,16 +7,16 @@
 #include <optional>
 #include <vector>
 
+#include "overtet/report.h"
 #include "overtet/run_context.h"
 #include "overtet/types.h"
 #include "src/pipeline/pipeline.h"
-#include "src/report/report.h"
 
 namespace overtet {
 
 struct RepairJob {
-  const Surface& surface;          // as it was read
-  const PipelineOptions& options;  // of the run
+  const Surface& surface;         // as it was read
+  const MeshingOptions& options;  // of the run
   const RunContext& context;
   std::vector<StageRecord>& records;
   double diagonal;  // of the surface's bounding box

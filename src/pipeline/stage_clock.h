@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "kernels/parallel/counts.h"
+#include "overtet/report.h"
 #include "overtet/run_context.h"
-#include "src/report/report.h"
 
 namespace overtet {
 

@@ -4,12 +4,11 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "overtet/io.h"
+#include "overtet/report.h"
 #include "overtet/version.h"
 #include "src/io/file.h"
-#include "src/io/surface_io.h"
-#include "src/io/tet_io.h"
 #include "src/pipeline/result_hash.h"
-#include "src/report/report.h"
 
 namespace overtet {
 

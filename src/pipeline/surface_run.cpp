@@ -6,11 +6,11 @@
 #include <string>
 #include <utility>
 
+#include "overtet/verification.h"
 #include "src/pipeline/finishing.h"
 #include "src/pipeline/result_hash.h"
 #include "src/pipeline/stage_clock.h"
 #include "src/pipeline/strategies.h"
-#include "src/verify/verify.h"
 
 namespace overtet {
 
@@ -42,7 +42,7 @@ Eigen::Vector3d point_at(const std::array<double, 3>& place) { return {place[0],
 
 }  // namespace
 
-SurfaceRun::SurfaceRun(const Surface& input, const SurfaceRunSetup& setup, const PipelineOptions& options,
+SurfaceRun::SurfaceRun(const Surface& input, const SurfaceRunSetup& setup, const MeshingOptions& options,
                        const RunContext& context, std::vector<StageRecord>& records)
     : input_(input), setup_(setup), options_(options), context_(context), records_(records) {
   record_.vertices = input_.V.rows();

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "overtet/report.h"
 #include "overtet/run_context.h"
 #include "overtet/types.h"
 #include "src/pipeline/component_meshing.h"
@@ -12,7 +13,6 @@
 #include "src/pipeline/meshing_job.h"
 #include "src/pipeline/pipeline.h"
 #include "src/pipeline/stage_files.h"
-#include "src/report/report.h"
 
 namespace overtet {
 
@@ -30,7 +30,7 @@ struct SurfaceRunSetup {
 class SurfaceRun {
  public:
   // The arguments must live as long as the run.
-  SurfaceRun(const Surface& input, const SurfaceRunSetup& setup, const PipelineOptions& options,
+  SurfaceRun(const Surface& input, const SurfaceRunSetup& setup, const MeshingOptions& options,
              const RunContext& context, std::vector<StageRecord>& records);
 
   // Errors: what forbids a mesh (bad_input, infeasible), limit, interrupted.
@@ -57,7 +57,7 @@ class SurfaceRun {
 
   const Surface& input_;
   const SurfaceRunSetup setup_;
-  const PipelineOptions& options_;
+  const MeshingOptions& options_;
   const RunContext& context_;
   std::vector<StageRecord>& records_;
 

@@ -1,4 +1,4 @@
-#include "src/report/report.h"
+#include "overtet/report.h"
 
 #include <nlohmann/json.hpp>
 
@@ -36,6 +36,26 @@ const char* name_of(RunStatus status) {
       return "failed";
   }
   return "failed";
+}
+
+RunStatus status_of(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::bad_input:
+      return RunStatus::bad_input;
+    case ErrorCode::unsolved:
+      return RunStatus::unsolved;
+    case ErrorCode::infeasible:
+      return RunStatus::infeasible;
+    case ErrorCode::limit:
+      return RunStatus::limit;
+    case ErrorCode::interrupted:
+      return RunStatus::interrupted;
+    case ErrorCode::usage:
+    case ErrorCode::io:
+    case ErrorCode::internal:
+      return RunStatus::failed;
+  }
+  return RunStatus::failed;
 }
 
 std::string to_json(const Report& r) {

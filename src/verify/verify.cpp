@@ -1,4 +1,4 @@
-#include "src/verify/verify.h"
+#include "overtet/verification.h"
 
 #include <algorithm>
 #include <array>
@@ -444,6 +444,7 @@ void report_signs(VerifyResult& r, const std::vector<signed char>& sign) {
 
 VerifyResult verify(const Surface& surface, const TetMesh& mesh, const VerifyOptions& options,
                     const RunContext& context) {
+  const ScopedThreads threads(context.threads > 0 ? context.threads : thread_cap());
   VerifyResult r;
   r.surface_vertices = surface.V.rows();
   r.surface_faces = surface.F.rows();

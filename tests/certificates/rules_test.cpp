@@ -14,8 +14,8 @@
 #include <set>
 #include <string>
 
+#include "overtet/report.h"
 #include "src/certificates/diagnose.h"
-#include "src/report/report.h"
 #include "tests/support/models.h"
 
 namespace overtet {

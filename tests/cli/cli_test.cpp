@@ -14,9 +14,8 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "overtet/io.h"
 #include "src/cli/commands.h"
-#include "src/io/surface_io.h"
-#include "src/io/tet_io.h"
 #include "tests/support/files.h"
 #include "tests/support/models.h"
 #include "tests/support/noise.h"

@@ -1,4 +1,4 @@
-#include "src/io/surface_io.h"
+#include "overtet/io.h"
 
 #include <gtest/gtest.h>
 

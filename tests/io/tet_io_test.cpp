@@ -1,4 +1,5 @@
-#include "src/io/tet_io.h"
+
+#include "overtet/io.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

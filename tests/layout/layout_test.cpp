@@ -102,10 +102,6 @@ TEST(Layout, OnlyThePipelineKnowsTheStages) {
   for (const auto& [room, others] : rooms_used())
     for (const std::string& other : others) {
       if (!kStages.contains(other)) continue;
-      // What verify found is part of the report, and the program exposes the check and the repair by
-      // themselves.
-      if (other == "src/repair" && room == "src/cli") continue;
-      if (other == "src/verify" && (room == "src/report" || room == "src/cli")) continue;
       EXPECT_TRUE(room == "src/pipeline") << room << " includes " << other;
     }
 }
@@ -119,12 +115,35 @@ TEST(Layout, RoomsRoundTheStagesStandBelowThem) {
   }
 }
 
-TEST(Layout, NothingBelowKnowsTheCommandLine) {
+TEST(Layout, OnlyThePublicFunctionsKnowThePipeline) {
   for (const auto& [room, others] : rooms_used())
     for (const std::string& other : others) {
-      EXPECT_NE(other, "src/cli") << room;
-      if (other != "src/pipeline") continue;
-      EXPECT_TRUE(room == "src/cli" || room == "src/batch") << room;
+      EXPECT_TRUE(other != "src/pipeline" || room == "src/api") << room;
+      EXPECT_NE(other, "src/api") << room;
+    }
+}
+
+// What the program does, every program can do.
+TEST(Layout, TheProgramIsAClientOfThePublicApi) {
+  for (const Include& i : includes()) {
+    if (i.room == "src/cli")
+      EXPECT_FALSE(begins(i.what, "kernels/") || (begins(i.what, "src/") && !begins(i.what, "src/cli/")))
+          << i.file << " includes " << i.what;
+    EXPECT_TRUE(i.room == "src/cli" || !begins(i.what, "src/cli/")) << i.file << " includes " << i.what;
+  }
+}
+
+// An option of the program in a message of the library would mean nothing to other programs.
+TEST(Layout, TheLibraryNamesNoOptionOfTheProgram) {
+  const fs::path root = OVERTET_SOURCE_DIR;
+  const std::regex flag(R"re("([^"\\]|\\.)*--[a-z])re");
+  for (const char* top : {"include", "kernels", "src"})
+    for (const auto& entry : fs::recursive_directory_iterator(root / top)) {
+      const std::string file = fs::relative(entry.path(), root).string();
+      if (!entry.is_regular_file() || begins(file, "src/cli/")) continue;
+      std::ifstream in(entry.path());
+      for (std::string line; std::getline(in, line);)
+        EXPECT_FALSE(std::regex_search(line, flag)) << file << ": " << line;
     }
 }
 

@@ -9,13 +9,12 @@
 #include <string>
 #include <tuple>
 
-#include "src/io/surface_io.h"
-#include "src/io/tet_io.h"
+#include "overtet/io.h"
+#include "overtet/verification.h"
 #include "src/mesh/topology.h"
 #include "src/pipeline/inspection.h"
 #include "src/pipeline/locked_patch.h"
 #include "src/pipeline/stage_files.h"
-#include "src/verify/verify.h"
 #include "tests/support/files.h"
 #include "tests/support/models.h"
 #include "tests/support/noise.h"
@@ -25,7 +24,7 @@ namespace {
 
 using test::TemporaryFolder;
 
-PipelineResult run(const Surface& s, const PipelineOptions& options = {}, int threads = 0) {
+PipelineResult run(const Surface& s, const MeshingOptions& options = {}, int threads = 0) {
   RunContext context;
   context.threads = threads;
   PipelineResult r = run_pipeline(s, options, context);
@@ -140,7 +139,7 @@ TEST(Pipeline, ComponentsThatNeedEachOtherAreMeshedTogether) {
 }
 
 TEST(Pipeline, TheFlowRouteMeshesToo) {
-  PipelineOptions options;
+  MeshingOptions options;
   options.preset = Preset::flow;
   const Surface s = test::curled_worm(390, 12);
   const PipelineResult r = run(s, options);
@@ -153,7 +152,7 @@ TEST(Pipeline, TheFlowRouteMeshesToo) {
 TEST(Pipeline, UnpairedHingesAreInfeasible) {
   const Surface s = test::obstructed_elbow(0);
   for (const Preset preset : {Preset::standard, Preset::flow}) {
-    PipelineOptions options;
+    MeshingOptions options;
     options.preset = preset;
     const PipelineResult r = run(s, options);
     EXPECT_EQ(r.exit_code(), 5);
@@ -169,7 +168,7 @@ TEST(Pipeline, UnpairedHingesAreInfeasible) {
     }
     EXPECT_EQ(stages(r).size(), 1u);
   }
-  PipelineOptions options;
+  MeshingOptions options;
   options.on_infeasible = OnInfeasible::repair;
   EXPECT_TRUE(stages(run(s, options)).contains("repair"));
 }
@@ -219,13 +218,13 @@ TEST(Pipeline, SaysWhyThereIsNoMesh) {
   Surface out_of_range = test::sphere();
   out_of_range.F(3, 1) = 100000;
   EXPECT_EQ(run(out_of_range).exit_code(), 3);
-  PipelineOptions options;
+  MeshingOptions options;
   options.improve_degrees = -1;
   EXPECT_EQ(run(test::sphere(), options).exit_code(), 2);
 }
 
 TEST(Pipeline, RepairsWhenAsked) {
-  PipelineOptions options;
+  MeshingOptions options;
   options.on_infeasible = OnInfeasible::repair;
   const Surface s = test::saucer(3, 0.54);
   const PipelineResult r = run(s, options);
@@ -242,7 +241,7 @@ TEST(Pipeline, RepairsWhenAsked) {
   const PipelineResult refused = run(s, options);
   EXPECT_EQ(refused.exit_code(), 5) << refused.report.message;
   EXPECT_TRUE(refused.report.witness.has_value());
-  options.max_repair_move = PipelineOptions().max_repair_move;
+  options.max_repair_move = MeshingOptions().max_repair_move;
   // What needs no repair is left alone.
   const Surface fine = test::curled_worm(400, 10);
   const PipelineResult untouched = run(fine, options);
@@ -252,7 +251,7 @@ TEST(Pipeline, RepairsWhenAsked) {
 
 // A face without area ends the diagnosis before the components are measured, by which they are told apart.
 TEST(Pipeline, RepairCrashedOnSeveralComponentsWithAFaceWithoutArea) {
-  PipelineOptions options;
+  MeshingOptions options;
   options.on_infeasible = OnInfeasible::repair;
   Surface flat = test::box(2);  // one corner of a face on the opposite edge of another
   const Eigen::RowVector3i f = flat.F.row(4);
@@ -310,7 +309,7 @@ TEST(Pipeline, SharpCrossingsCrashedAtLargeCoordinates) {
 
 // Copies next to each other, each covering what is around the other one, and a part that needs no repair.
 TEST(Pipeline, RepairsPartsByThemselves) {
-  PipelineOptions options;
+  MeshingOptions options;
   options.on_infeasible = OnInfeasible::repair;
   const Surface elbow = test::obstructed_elbow(0), worm = test::curled_worm(400, 10);
   const auto n = static_cast<std::int64_t>(elbow.V.rows());
@@ -358,7 +357,7 @@ TEST(Pipeline, PartsWithoutAMeshAreCarriedByWhatSurroundsThem) {
 
 TEST(Pipeline, SameBytesOnAnyNumberOfThreads) {
   for (const Preset preset : {Preset::standard, Preset::flow}) {
-    PipelineOptions options;
+    MeshingOptions options;
     options.preset = preset;
     const Surface s = test::curled_worm(390, 10);
     std::set<std::string> hashes;
@@ -396,7 +395,7 @@ TEST(Pipeline, NeitherNumberingNorPlaceMatters) {
 TEST(Pipeline, StagesAreSavedAndResumed) {
   const TemporaryFolder folder;
   const Surface s = test::curled_worm(390, 12);
-  PipelineOptions save;
+  MeshingOptions save;
   save.preset = Preset::flow;
   save.save_stages = folder.file("stages");
   const PipelineResult first = run(s, save);
@@ -409,7 +408,7 @@ TEST(Pipeline, StagesAreSavedAndResumed) {
   }
   for (const char* name : {"tet_mesh.vtu", "mapped.vtu"}) EXPECT_TRUE(read_tets(file(name)).ok());
 
-  PipelineOptions resume;
+  MeshingOptions resume;
   resume.preset = Preset::flow;
   resume.resume = save.save_stages;
   const PipelineResult again = run(s, resume);
@@ -431,7 +430,7 @@ TEST(Pipeline, StagesAreSavedAndResumed) {
   EXPECT_FALSE(stages(mapped).contains("reverse_flow"));
 
   // Resuming from a folder and saving to it keeps what is in it.
-  PipelineOptions both = resume;
+  MeshingOptions both = resume;
   both.save_stages = resume.resume;
   ASSERT_TRUE(run(s, both).ok());
   EXPECT_NE(test::read_text(file("stages.json")).find("embedded"), std::string::npos);
@@ -476,7 +475,7 @@ TEST(Pipeline, ThePatchAroundAPlaceIsPartOfTheSurface) {
 // and to be resumed by itself.
 TEST(Pipeline, LockedMapsAreKeptAsProblems) {
   const Surface s = test::curled_worm(390, 12);
-  PipelineOptions plain;
+  MeshingOptions plain;
   plain.improve_degrees = 0;
   const PipelineResult made = run(s, plain);
   ASSERT_TRUE(made.ok());
@@ -513,7 +512,7 @@ TEST(Pipeline, LockedMapsAreKeptAsProblems) {
   Result<StageFiles> files = StageFiles::create(folder.file("stages"), hash_of(s), UnitBox{});
   ASSERT_TRUE(files.ok());
   ASSERT_TRUE(files.value().save_problem("locked", solid.target, solid.start).ok());
-  PipelineOptions resume;
+  MeshingOptions resume;
   resume.preset = Preset::flow;
   resume.resume = folder.file("stages") + "/locked";
   const Result<Surface> problem = read_surface(resume.resume + "/input.ply");
@@ -530,13 +529,13 @@ TEST(Pipeline, LockedMapsAreKeptAsProblems) {
 TEST(Pipeline, DamagedStagesAreRefused) {
   const TemporaryFolder folder;
   const Surface s = test::curled_worm(390, 12);
-  PipelineOptions options;
+  MeshingOptions options;
   options.save_stages = folder.file("stages");
   ASSERT_TRUE(run(s, options).ok());
   TetMesh m = read_tets(options.save_stages + "/mapped.vtu").value();
   m.V.row(m.V.rows() - 1) += Eigen::RowVector3d(10, 0, 0);
   ASSERT_TRUE(write_tets(options.save_stages + "/mapped.vtu", m, TetFormat::vtu).ok());
-  PipelineOptions resume;
+  MeshingOptions resume;
   resume.resume = options.save_stages;
   EXPECT_EQ(run(s, resume).exit_code(), 3);
 }
@@ -569,7 +568,7 @@ TEST(Pipeline, CanBeCancelledAtAnyMoment) {
       context.progress = [&](std::string_view, double, std::string_view) {
         if (++count >= calls) cancel = true;
       };
-      PipelineOptions options;
+      MeshingOptions options;
       options.preset = preset;
       const PipelineResult r = run_pipeline(s, options, context);
       EXPECT_TRUE(r.exit_code() == 130 || r.ok()) << r.report.message;

@@ -74,7 +74,7 @@ TEST(LeastMove, NothingWhereNothingIsNegative) {
 }
 
 TEST(LeastMove, ARepairThatMayNotMoveSoFarSaysSoAtOnce) {
-  PipelineOptions options;
+  MeshingOptions options;
   options.on_infeasible = OnInfeasible::repair;
   options.max_repair_move = 0.05;
   const PipelineResult r = run_pipeline(with_cap(), options, {});

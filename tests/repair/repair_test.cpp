@@ -161,7 +161,7 @@ TEST(Repair, NearlyDegenerateFacesToo) {
     point.V.row(g[0]) =
         (1 - rest) * point.V.row(g[1]) + rest * point.V.row(g[0]);  // two vertices in one place
     for (const Surface& s : {needle, point}) {
-      PipelineOptions options;
+      MeshingOptions options;
       options.on_infeasible = OnInfeasible::repair;
       const PipelineResult r = run_pipeline(s, options, {});
       EXPECT_TRUE(r.ok()) << r.error.message;
@@ -279,7 +279,7 @@ TEST(Repair, SameBytesOnAnyNumberOfThreads) {
 }
 
 TEST(Repair, RepairedSurfacesAreMeshedExactly) {
-  PipelineOptions options;
+  MeshingOptions options;
   options.on_infeasible = OnInfeasible::repair;
   for (const double depth : {0.3, 0.8}) {
     SCOPED_TRACE(depth);
@@ -305,7 +305,7 @@ TEST(Repair, RepairedSurfacesAreMeshedExactly) {
 
 // Deeper than any vertex may move on its way: out, and back as far as it goes.
 TEST(Repair, TheMeshIsPulledBack) {
-  PipelineOptions options;
+  MeshingOptions options;
   options.on_infeasible = OnInfeasible::repair;
   options.improve_degrees = 0;
   options.max_repair_move = 0.1;
@@ -333,7 +333,7 @@ TEST(Repair, TheMeshIsPulledBack) {
 }
 
 TEST(Repair, SaysHowFarVerticesWouldHaveToMove) {
-  PipelineOptions options;
+  MeshingOptions options;
   options.on_infeasible = OnInfeasible::repair;
   options.improve_degrees = 0;
   options.max_repair_move = 1e-3;
@@ -345,7 +345,7 @@ TEST(Repair, SaysHowFarVerticesWouldHaveToMove) {
 }
 
 TEST(Repair, AFoldInAPipelineRunIsRepaired) {
-  PipelineOptions options;
+  MeshingOptions options;
   options.on_infeasible = OnInfeasible::repair;
   const Surface s = folded(0.2);
   const PipelineResult r = run_pipeline(s, options, {});

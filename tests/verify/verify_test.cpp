@@ -1,4 +1,4 @@
-#include "src/verify/verify.h"
+#include "overtet/verification.h"
 
 #include <gtest/gtest.h>
 

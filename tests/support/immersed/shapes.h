@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "overtet/verification.h"
 #include "src/arrangement/arrangement.h"
 #include "src/cdt/tetgen.h"
 #include "src/certificates/diagnose.h"
 #include "src/immersion/immersion.h"
 #include "src/immersion/sheets.h"
-#include "src/verify/verify.h"
 #include "tests/support/models.h"
 
 namespace overtet::test {

@@ -62,10 +62,12 @@ struct VerifyResult {
   std::string summary() const;  // the failures' messages joined, or "every rule holds"
 };
 
+// Both meshes may be anything: indices out of range and infinite coordinates break R1. `surface_vertices` of
+// the mesh is not looked at. May throw std::bad_alloc.
 VerifyResult verify(const Surface& surface, const TetMesh& mesh, const VerifyOptions& options = {},
                     const RunContext& context = {});
 
-// pre: indices in range.
-TetQuality tet_quality(const TetMesh& mesh);
+// pre: indices in range (R1). Only the context's number of threads is used. May throw std::bad_alloc.
+TetQuality tet_quality(const TetMesh& mesh, const RunContext& context = {});
 
 }  // namespace overtet

@@ -9,12 +9,15 @@
 #include <vector>
 
 #include "overtet/certificate.h"
-#include "src/verify/verify.h"
+#include "overtet/result.h"
+#include "overtet/types.h"
+#include "overtet/verification.h"
 
 namespace overtet {
 
 enum class RunStatus { exact, repaired, infeasible, unsolved, bad_input, limit, interrupted, failed };
 const char* name_of(RunStatus status);  // as in the report, for instance "bad-input"
+RunStatus status_of(ErrorCode code);    // of a run that ended with such an error
 
 // A figure of a report: shown under its name.
 using Figure = std::pair<std::string, std::variant<std::int64_t, double, std::string, bool>>;

@@ -1,0 +1,48 @@
+# cpack -G DEB: two packages for Debian, `overtet` (the program and its helper) and `libovertet-dev` (headers and the
+# static library, which needs the helper).
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME overtet)
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "tetrahedral meshes of surfaces that pass through themselves")
+set(CPACK_PACKAGE_CONTACT "Overtet maintainers <maintainers@overtet.example>")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
+  OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+set(CPACK_COMPONENTS_ALL program development)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME overtet)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PROGRAM_DESCRIPTION
+  "Overtet fills a closed triangle surface with tetrahedra that overlap where
+the surface does. Every input triangle stays a boundary triangle; where no such
+mesh exists, it says why in a way that anyone can check.")
+
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libovertet-dev)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "overtet (= ${PROJECT_VERSION}), libeigen3-dev, libtbb-dev, \
+libsuitesparse-dev, libgmp-dev, libmpfr-dev")
+set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION
+  "Overtet fills a closed triangle surface with tetrahedra that overlap where
+the surface does. This package has what programs need that call it: the headers,
+a static library, and its descriptions for CMake and pkg-config.")
+
+# What Debian's policy wants beside every package.
+find_program(GZIP gzip)
+file(READ ${CMAKE_SOURCE_DIR}/LICENSE license)
+configure_file(cmake/debian/copyright.in package/copyright @ONLY)
+foreach(component PROGRAM DEVELOPMENT)
+  set(PACKAGE ${CPACK_DEBIAN_${component}_PACKAGE_NAME})
+  string(TOLOWER ${component} lower)
+  set(doc_dir ${CMAKE_INSTALL_DATAROOTDIR}/doc/${PACKAGE})
+  install(FILES ${CMAKE_BINARY_DIR}/package/copyright DESTINATION ${doc_dir} COMPONENT ${lower})
+  if(GZIP)
+    configure_file(cmake/debian/changelog.in package/${PACKAGE}/changelog @ONLY)
+    execute_process(COMMAND ${GZIP} -9nkf changelog WORKING_DIRECTORY ${CMAKE_BINARY_DIR}/package/${PACKAGE})
+    install(FILES ${CMAKE_BINARY_DIR}/package/${PACKAGE}/changelog.gz DESTINATION ${doc_dir} COMPONENT ${lower})
+  endif()
+endforeach()
+include(CPack)

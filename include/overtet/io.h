@@ -1,0 +1,102 @@
+// Files of surfaces, tet meshes and curves.
+//
+// Reading keeps the order of vertices, faces and tets. Whatever is malformed is refused with one sentence
+// that names the line or the element (bad_input); what cannot be opened or read is an error of code io. A
+// count that the file is too short for is refused before memory is taken for it.
+//
+// Numbers are written in the shortest decimal form that reads back as the same double, or as the bytes
+// themselves: what is read back is what was written, to the last bit. A file appears whole or not at all: it
+// gets its name when all of it is on the disk, whatever ends the program. A path that names a pipe or a
+// device is written to directly. Errors of writing: io.
+//
+// Only the number of threads of a context is used here. All functions may throw std::bad_alloc.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "overtet/curves.h"
+#include "overtet/result.h"
+#include "overtet/run_context.h"
+#include "overtet/types.h"
+
+namespace overtet {
+
+class AtomicFile;  // of the library, src/io/file.h
+
+// Surfaces: OBJ, OFF (with colours and normals: COFF, NOFF, ...), PLY (ASCII, both byte orders) and STL
+// (ASCII and binary).
+
+struct SurfaceReadInfo {
+  std::string format;                // for instance "PLY, binary, little endian"
+  std::int64_t polygons = 0;         // faces with more than three corners, now triangulated
+  std::int64_t merged_vertices = 0;  // of an STL file: corners that share a vertex with an earlier one
+  bool has_vertex_order = true;      // false for STL, which lists corners only
+  std::vector<std::string> notes;    // one sentence each, for the user
+};
+
+// What the file begins with counts more than its extension. Polygons are cut into triangles, the equal
+// vertices of STL are merged; both are said in the notes. Whether the surface is closed, oriented and so on
+// is not looked at here: diagnose() does that.
+Result<Surface> read_surface(const std::string& path, SurfaceReadInfo* info = nullptr,
+                             const RunContext& context = {});
+
+enum class SurfaceFormat { off, obj, ply };  // PLY: binary, little endian, doubles
+
+// By extension: .off, .obj or .ply. Errors: usage.
+Result<SurfaceFormat> surface_format_of(const std::string& path);
+Status write_surface(const std::string& path, const Surface& surface, SurfaceFormat format,
+                     const RunContext& context = {});
+
+// Tet meshes: MEDIT .mesh, Gmsh .msh 2.2 and 4.1, VTU, TetGen .node and .ele (of which both are complete
+// before either gets its name).
+
+enum class TetFormat { medit, gmsh22, gmsh41, vtu, tetgen };
+
+// "medit", "msh22", "msh41", "vtu", "tetgen". Errors: usage.
+Result<TetFormat> tet_format_named(std::string_view name);
+// By extension: .mesh, .msh (4.1), .vtu, .node or .ele. Errors: usage.
+Result<TetFormat> tet_format_of(const std::string& path);
+
+Status write_tets(const std::string& path, const TetMesh& mesh, TetFormat format,
+                  const RunContext& context = {});
+
+// Vertices and tets in file order; other elements are skipped. `surface_vertices` is 0. VTU: ASCII, inline
+// binary and raw appended, uncompressed.
+Result<TetMesh> read_tets(const std::string& path, const RunContext& context = {});
+
+// Curves, for looking at: VTP (ParaView; one line cell a segment, what the structs of curves.h hold as data
+// of segments and points) and OBJ (one group with one `l` element a curve, no data).
+
+enum class CurveFormat { vtp, obj };
+
+// By extension. Errors: usage.
+Result<CurveFormat> curve_format_of(const std::string& path);
+Status write_curves(const std::string& path, const Curves& curves, CurveFormat format,
+                    const RunContext& context = {});
+
+// A text as it is, for instance a report's JSON.
+Status write_text(const std::string& path, std::string_view text);
+
+// Whether there can be a file of this name: asked before hours of work. Nothing is left behind; a pipe is
+// kept open until this is destroyed, since who reads from it would take it for the end if it was closed.
+// Errors: io.
+class OutputProbe {
+ public:
+  OutputProbe();
+  ~OutputProbe();
+  OutputProbe(const OutputProbe&) = delete;
+  OutputProbe& operator=(const OutputProbe&) = delete;
+  Status open(const std::string& path);
+
+ private:
+  std::unique_ptr<AtomicFile> file_;
+};
+
+// Takes away what files that are being written have left so far. Only for who ends the program at once.
+void remove_unfinished_files();
+
+}  // namespace overtet

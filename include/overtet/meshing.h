@@ -1,0 +1,56 @@
+// The tet mesh of a closed surface that may pass through itself.
+//
+// Guaranteed of every mesh that is handed out, decided exactly on its doubles (verification.h has the rules):
+// the surface's vertices come first, in their order and unmoved to the last bit; the boundary faces are the
+// surface's faces, as they turn; every tet is positive; the tets form a 3-manifold with boundary, and around
+// every interior edge they make exactly one turn. Tets overlap in space where the surface does. With
+// OnInfeasible::repair all of this holds for the surface with the vertices in `moved` at their new places.
+//
+// Same surface and options: same mesh, to the byte, on any number of threads, as long as no deadline cuts the
+// quality pass short (which is logged). Source: Sacht et al., "Consistent Volumetric Discretizations Inside
+// Self-Intersecting Surfaces", 2013; docs/ has what is new here.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "overtet/report.h"
+#include "overtet/result.h"
+#include "overtet/run_context.h"
+#include "overtet/types.h"
+#include "overtet/verification.h"
+
+namespace overtet {
+
+enum class Preset {
+  standard,  // immersion first, flows where that finds nothing
+  flow       // the paper's route only
+};
+enum class OnInfeasible { reject, repair };
+
+struct MeshingOptions {
+  Preset preset = Preset::standard;
+  OnInfeasible on_infeasible = OnInfeasible::reject;
+  double max_repair_move = 0.06;  // of a vertex, relative to the diagonal of the bounding box; up to 1
+  double improve_degrees = 17;  // smallest dihedral angle that the quality pass aims at, up to 40; 0: no pass
+  std::string save_stages;      // folder for the intermediate states; empty: none
+  std::string resume;           // folder to take them from; empty: none
+
+  Status validate() const;
+};
+
+struct Meshing {
+  TetMesh mesh;
+  TetQuality quality;
+  std::vector<Index> moved;      // vertices of the surface that a repair has moved, sorted
+  double max_relative_move = 0;  // the largest move over the diagonal of the bounding box
+  std::string hash;              // of the mesh's vertices and tets: 16 hexadecimal digits
+};
+
+// report: what the run did, also where there is no mesh; its `options` and `input.format` are the caller's.
+// Errors: usage (options), bad_input (the message names the element), infeasible (Error::certificate has the
+// proof), unsolved, limit, interrupted, io (stages), internal. Never throws.
+Result<Meshing> tetrahedralize(const Surface& surface, const MeshingOptions& options = {},
+                               const RunContext& context = {}, Report* report = nullptr);
+
+}  // namespace overtet

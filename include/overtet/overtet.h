@@ -1,0 +1,30 @@
+// All of Overtet: tet meshes of closed triangle surfaces that pass through themselves.
+//
+//   types.h         Surface, TetMesh
+//   result.h        Result, Error: nothing is thrown for what can go wrong
+//   run_context.h   limits, cancellation, threads, progress, log
+//   meshing.h       tetrahedralize()
+//   diagnosis.h     diagnose()
+//   certificate.h   why there is no mesh
+//   repair.h        repair_surface()
+//   verification.h  verify(), tet_quality()
+//   curves.h        intersection_curves()
+//   io.h            reading and writing
+//   report.h        what a run says about itself, as JSON
+//   version.h
+//
+// Functions may be called from several threads at once. The library keeps no state between calls.
+#pragma once
+
+#include "overtet/certificate.h"
+#include "overtet/curves.h"
+#include "overtet/diagnosis.h"
+#include "overtet/io.h"
+#include "overtet/meshing.h"
+#include "overtet/repair.h"
+#include "overtet/report.h"
+#include "overtet/result.h"
+#include "overtet/run_context.h"
+#include "overtet/types.h"
+#include "overtet/verification.h"
+#include "overtet/version.h"

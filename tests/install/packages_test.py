@@ -1,0 +1,59 @@
+"""Makes the Debian packages of a build, asks lintian for errors, installs them into an empty root, runs what is
+there, removes them again. Skipped, loudly, where a tool is missing or the user is not root.
+
+usage: packages_test.py SOURCE BUILD
+"""
+import glob
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+
+SOURCE, BUILD = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
+
+
+def run(*command, **more):
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **more)
+    if done.returncode != 0:
+        sys.exit(f"{' '.join(command)}\nended with {done.returncode}:\n{done.stdout}")
+    return done.stdout
+
+
+def files_in(root):
+    return sorted(os.path.join(where, name) for where, _, names in os.walk(root) for name in names)
+
+
+def main():
+    missing = [tool for tool in ("cpack", "dpkg", "dpkg-deb", "dpkg-shlibdeps", "lintian") if not shutil.which(tool)]
+    if missing or os.getuid() != 0:
+        print("SKIPPED: the Debian packages were NOT checked:",
+              "missing " + ", ".join(missing) if missing else "only root can install packages")
+        sys.exit(77)
+    with tempfile.TemporaryDirectory() as temporary:
+        made = os.path.join(temporary, "packages")
+        run("cpack", "-G", "DEB", "-B", made, "--config", os.path.join(BUILD, "CPackConfig.cmake"))
+        packages = sorted(glob.glob(os.path.join(made, "*.deb")))
+        names = [run("dpkg-deb", "--field", p, "Package").strip() for p in packages]
+        assert names == ["libovertet-dev", "overtet"], names
+        print(run("lintian", "--fail-on", "error", "--allow-root", *packages))
+
+        root = os.path.join(temporary, "root")
+        for folder in ("updates", "info", "triggers"):
+            os.makedirs(os.path.join(root, "var/lib/dpkg", folder))
+        for name in ("status", "available"):
+            open(os.path.join(root, "var/lib/dpkg", name), "w", encoding="utf-8").close()
+        # Nothing else is in the root, so what the packages depend on is not either.
+        dpkg = ("dpkg", "--root=" + root, "--force-depends", "--force-script-chrootless")
+        before = [f for f in files_in(root) if "/var/" not in f]
+        run(*dpkg, "--install", *packages)
+        worm, mesh = os.path.join(temporary, "worm.off"), os.path.join(temporary, "worm.mesh")
+        run(sys.executable, "-B", os.path.join(SOURCE, "scripts", "make_sample"), worm)
+        program = os.path.join(root, "usr/bin/overtet")
+        run(program, "mesh", worm, "-o", mesh)
+        print(run(program, "verify", worm, mesh))
+        run(*dpkg, "--purge", *names)
+        assert [f for f in files_in(root) if "/var/" not in f] == before, files_in(root)
+
+
+main()
