@@ -2,6 +2,8 @@
 
 #include "src/api/guarded.h"
 #include "src/arrangement/curves.h"
+#include "src/arrangement/intersection_graph.h"
+#include "src/exact/ordinary_size.h"
 
 namespace overtet {
 
@@ -15,7 +17,9 @@ Result<Curves> intersection_curves(const Surface& surface, const RunContext& out
     bvh.build(surface.V, surface.F);
     const std::vector<FacePair> pairs = find_self_intersections(surface.V, surface.F, bvh);
     if (auto stop = context.stop()) return *stop;
-    return trace_curves(surface, topology.value(), bvh, pairs, context);
+    const OrdinarySize sized(surface, bvh);
+    IntersectionGraph graph(sized.surface(), topology.value(), sized.bvh(), pairs);
+    return trace_curves(surface, bvh, graph, context);
   });
 }
 

@@ -6,13 +6,9 @@
 #include <vector>
 
 #include "kernels/parallel/parallel.h"
-<<<<<<< HEAD
 #include "kernels/parallel/tuning.h"
-#include "src/verify/tuning.h"
-#include "src/verify/verify.h"
-=======
 #include "overtet/verification.h"
->>>>>>> 1ec7215 (A library: the public functions, and the program as their client)
+#include "src/verify/tuning.h"
 
 namespace overtet {
 
@@ -51,13 +47,8 @@ float nth_smallest(const std::vector<float>& values, std::size_t nth) {
 
 }  // namespace
 
-<<<<<<< HEAD
-TetQuality tet_quality(const TetMesh& mesh) {
-=======
 TetQuality tet_quality(const TetMesh& mesh, const RunContext& context) {
   const ScopedThreads threads(context.threads > 0 ? context.threads : thread_cap());
-  constexpr std::int64_t kGrain = 1 << 14;
->>>>>>> 1ec7215 (A library: the public functions, and the program as their client)
   TetQuality q;
   q.tets = mesh.T.rows();
   if (q.tets == 0) return q;
