@@ -24,6 +24,7 @@ struct GatheringTimes {  // seconds of wall time
   double wound_edges = 0;  // with the rules
 };
 
+// More than 12 members: every room tells what it found of one surface, and others read it by itself.
 struct Facts {
   Index vertices = 0, faces = 0;
   TopologyCheck topology;                // flags, problems; with the adjacency when they are fine
