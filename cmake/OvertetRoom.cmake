@@ -39,7 +39,8 @@ function(overtet_test name)
   endif()
   add_executable(test_${name} ${T_SOURCES})
   target_include_directories(test_${name} PRIVATE ${CMAKE_SOURCE_DIR})
-  target_link_libraries(test_${name} PRIVATE ${T_LINKS} overtet_test_support GTest::gtest_main)
+  target_link_libraries(test_${name} PRIVATE ${T_LINKS} overtet_test_support GTest::gtest_main
+    gmpxx gmp)  # for messages with exact numbers
   # Tests need not be fast, but quick to build. -O1 gives the same numbers as -O3.
   target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   target_precompile_headers(test_${name} REUSE_FROM overtet_test_support)

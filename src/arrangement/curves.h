@@ -1,6 +1,6 @@
-// Tracing the curves in which a surface passes through itself; what they are and what is exact about them is in
-// overtet/curves.h. Pairs of faces meet in segments (intersection_graph.h). The edge in which one ends leads to the
-// next pair: so segments are strung together by (edge, face), never by how close their ends are.
+// Tracing the curves in which a surface passes through itself; what they are and what is exact about them is
+// in overtet/curves.h. Pairs of faces meet in segments (intersection_graph.h). The edge in which one ends
+// leads to the next pair: so segments are strung together by (edge, face), never by how close their ends are.
 #pragma once
 
 #include <vector>

@@ -20,8 +20,7 @@ using io_detail::kMaxCount, io_detail::malformed;
 // A TextCursor that reads over line ends, as these formats allow, and counts that the file can hold.
 class Tokens {
  public:
-  Tokens(std::string_view name, std::string_view text)
-      : name_(name), in_(name, text, true) {}
+  Tokens(std::string_view name, std::string_view text) : name_(name), in_(name, text, true) {}
 
   bool word(std::string_view& w) {
     if (!in_.to_token()) return false;

@@ -8,6 +8,7 @@
 #include "src/arrangement/intersection_graph.h"
 #include "src/certificates/diagnose.h"
 #include "src/certificates/separated.h"
+#include "src/certificates/stacks.h"
 #include "src/covering/gluing.h"
 #include "src/exact/exact.h"
 #include "src/exact/ordinary_size.h"

@@ -103,18 +103,27 @@ bool has_solution(const Puzzle& p) {
   return descend(descend, 0);
 }
 
+// In front of each region and behind it.
+std::vector<std::array<Index, 2>> cells_of(const Puzzle& p) {
+  std::vector<std::array<Index, 2>> cells;
+  for (std::size_t r = 0; r < p.outer.size(); ++r) cells.push_back({p.outer[r], p.inner[r]});
+  return cells;
+}
+
 TEST(GluingSearch, FindsWhatAllChoicesFind) {
+  const RunContext context;
   int without = 0, with = 0;
   for (unsigned seed = 0; seed < 4000; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937 random(seed);
     const Puzzle p = some_puzzle(random);
     if (p.conditions.empty()) continue;
-    GluingSearch search(p.conditions, p.outer, p.inner, p.sheets, {});
-    const GluingSearch::Answer answer = search.run(1'000'000);
-    ASSERT_EQ(answer, has_solution(p) ? GluingSearch::Answer::found : GluingSearch::Answer::none);
-    ++(answer == GluingSearch::Answer::none ? without : with);
-    if (answer == GluingSearch::Answer::found) continue;
+    const std::vector<std::array<Index, 2>> cells = cells_of(p);
+    GluingSearch search(p.conditions, cells, p.sheets, context);
+    const SolverAnswer answer = search.run(1'000'000);
+    ASSERT_EQ(answer, has_solution(p) ? SolverAnswer::found : SolverAnswer::none);
+    ++(answer == SolverAnswer::none ? without : with);
+    if (answer == SolverAnswer::found) continue;
     // What the search says that it has needed has no solution, either.
     Puzzle less = p;
     less.conditions = search.needed();
@@ -126,15 +135,17 @@ TEST(GluingSearch, FindsWhatAllChoicesFind) {
 
 // A search that is cut short says so; it never says anything else than the whole one.
 TEST(GluingSearch, GivesUpWhenTold) {
+  const RunContext context;
   int given_up = 0;
   for (unsigned seed = 0; seed < 400; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937 random(seed);
     const Puzzle p = some_puzzle(random);
-    GluingSearch search(p.conditions, p.outer, p.inner, p.sheets, {}),
-        whole(p.conditions, p.outer, p.inner, p.sheets, {});
-    const GluingSearch::Answer answer = search.run(1);
-    if (answer == GluingSearch::Answer::too_long)
+    const std::vector<std::array<Index, 2>> cells = cells_of(p);
+    GluingSearch search(p.conditions, cells, p.sheets, context),
+        whole(p.conditions, cells, p.sheets, context);
+    const SolverAnswer answer = search.run(1);
+    if (answer == SolverAnswer::too_long)
       ++given_up;
     else
       EXPECT_EQ(answer, whole.run(1'000'000));

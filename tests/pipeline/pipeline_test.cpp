@@ -240,7 +240,7 @@ TEST(Pipeline, RepairsWhenAsked) {
   options.max_repair_move = 0.7 * r.report.max_relative_move;
   const PipelineResult refused = run(s, options);
   EXPECT_EQ(refused.exit_code(), 5) << refused.report.message;
-  EXPECT_TRUE(refused.report.witness.has_value());
+  EXPECT_TRUE(refused.report.certificate.has_value());
   options.max_repair_move = MeshingOptions().max_repair_move;
   // What needs no repair is left alone.
   const Surface fine = test::curled_worm(400, 10);
@@ -298,7 +298,7 @@ TEST(Pipeline, SharpCrossingsCrashedAtLargeCoordinates) {
         continue;
       }
       EXPECT_EQ(r.report.status, one.report.status) << r.report.message;
-      EXPECT_EQ(r.report.witness.has_value(), one.report.witness.has_value());
+      EXPECT_EQ(r.report.certificate.has_value(), one.report.certificate.has_value());
       int power = 0;
       if (std::frexp(factor, &power) != 0.5) continue;  // else nothing but the scale differs
       EXPECT_EQ(r.mesh.V, one.mesh.V * factor);
