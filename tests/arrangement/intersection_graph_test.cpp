@@ -44,9 +44,15 @@ int where(const Rays& rays, Index f, const Vec& x) {
   return out;
 }
 
+// Three spheres that cross each other: third faces cut their curves.
+Surface three_spheres() {
+  const auto at = [](double x, double y, double z) { return test::sphere(1, 1, {x, y, z}); };
+  return test::joined(test::joined(at(0, 0, 0), at(0.73, 0.11, 0.07)), at(0.31, 0.67, 0.13));
+}
+
 std::vector<Surface> models() {
   return {test::elbow(150, 12), test::elbow(110, 10, 0.4), test::curled_worm(420, 8), test::saucer(2),
-          test::two_spheres(1)};
+          test::two_spheres(1), three_spheres()};
 }
 
 TEST(IntersectionGraph, SegmentsEndOnBothFaces) {

@@ -237,7 +237,7 @@ TEST(Pipeline, RepairsWhenAsked) {
   EXPECT_TRUE(v.ok()) << v.summary();
   EXPECT_EQ(v.moved_vertices, r.report.moved_vertices);
   // Meshes are made on the way, but none that moves as little as this.
-  options.max_repair_move = 0.7 * r.report.max_relative_move;
+  options.max_repair_move = 0.3 * r.report.max_relative_move;
   const PipelineResult refused = run(s, options);
   EXPECT_EQ(refused.exit_code(), 5) << refused.report.message;
   EXPECT_TRUE(refused.report.certificate.has_value());
