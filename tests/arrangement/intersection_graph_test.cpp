@@ -51,8 +51,8 @@ Surface three_spheres() {
 }
 
 std::vector<Surface> models() {
-  return {test::elbow(150, 12), test::elbow(110, 10, 0.4), test::curled_worm(420, 8), test::saucer(2),
-          test::two_spheres(1), three_spheres()};
+  return {test::elbow(150, 12), test::elbow(110, 10, 0.4), test::curled_worm(420, 8),
+          test::saucer(2),      test::two_spheres(1),      three_spheres()};
 }
 
 TEST(IntersectionGraph, SegmentsEndOnBothFaces) {
