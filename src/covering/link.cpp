@@ -18,7 +18,7 @@ namespace {
 
 using exact::Vec;
 
-// More layers, or a longer search, count as undecided. scripts/check_witness repeats the search.
+// More layers, or a longer search, count as undecided.
 constexpr int kMostLayers = 6;
 constexpr std::int64_t kMostSteps = 2'000'000;
 
