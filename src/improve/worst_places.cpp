@@ -240,7 +240,7 @@ Index some_bad(const LocalOperations& work, double goal, std::mt19937& random) {
 }
 
 // One tet of a part of the mesh. kind: of the part's first vertices, 1: shared with other parts, 2: pinched
-// (parts.h).
+// (src/mesh/partition.h).
 bool lift(TetMesh& region, std::span<const char> kind, Index t, double target, int layers, Effort& left) {
   const double worst = quality(region, t), goal = std::min(target, kGoal * worst);
   const Corners corners = corners_of(region, t);
