@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/core/tet_tables.h"
 #include "kernels/delaunay/delaunay.h"
 #include "kernels/predicates/predicates.h"
 
@@ -151,8 +152,7 @@ bool CavityFiller::search(std::size_t depth) {
     const auto& open = open_[depth];
     auto& rest = open_[depth + 1];
     Face sides[4];
-    for (int k = 0; k < 4; ++k)
-      sides[k] = turned({tet[kTetFace[k][0]], tet[kTetFace[k][1]], tet[kTetFace[k][2]]});
+    for (int k = 0; k < 4; ++k) sides[k] = turned(tet_face(tet, k));
     bool matched[4] = {}, taken[4] = {}, fits = true;
     rest.clear();
     std::size_t beside = 0;  // so many of the rest are faces of the tet, seen from the other side

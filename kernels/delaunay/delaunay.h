@@ -15,9 +15,6 @@ struct TetArrays {
   RawVector<std::array<Index, 4>> tet, next;
 };
 
-// The faces of a positive tet, by the corner opposite to each, counter-clockwise seen from outside.
-inline constexpr int kTetFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-
 // The Delaunay tets of points that come in lots: what is known early can be inserted while the rest is being
 // computed. The tets do not depend on the lots, their order does.
 //

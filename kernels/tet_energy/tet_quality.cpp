@@ -66,8 +66,8 @@ std::array<double, 6> dihedral_angles(const Vector3d& a, const Vector3d& b, cons
   const double det = std::fabs(nd.dot(ad));
   // nd points to d's side, the others point out of the faces opposite to their letters or into them
   // alike: ab, bc, ca see the angle between nd and the turned normal; ad, bd, cd between two of a kind.
-  return {std::atan2(det * ab.norm(), nd.dot(nc)),  std::atan2(det * bc.norm(), nd.dot(na)),
-          std::atan2(det * ca.norm(), nd.dot(nb)),  std::atan2(det * ad.norm(), -nb.dot(nc)),
+  return {std::atan2(det * ab.norm(), nd.dot(nc)),  std::atan2(det * ca.norm(), nd.dot(nb)),
+          std::atan2(det * ad.norm(), -nb.dot(nc)), std::atan2(det * bc.norm(), nd.dot(na)),
           std::atan2(det * bd.norm(), -na.dot(nc)), std::atan2(det * cd.norm(), -na.dot(nb))};
 }
 

@@ -24,7 +24,7 @@ struct DihedralSines {
 void dihedral_sines(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
                     const Eigen::Vector3d& d, DihedralSines& out);
 
-// The six dihedral angles in radians, edges in the order above; accurate for thin tets as well.
+// The six dihedral angles in radians, edges in the order of kTetEdge; accurate for thin tets as well.
 std::array<double, 6> dihedral_angles(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                                       const Eigen::Vector3d& c, const Eigen::Vector3d& d);
 

@@ -4,6 +4,8 @@
 #include <set>
 #include <tuple>
 
+#include "kernels/core/union_find.h"
+
 namespace overtet {
 
 using exact::Rational;
@@ -236,7 +238,7 @@ void FaceCuts::divide(Index f, const std::vector<std::pair<Index, Index>>& found
   }
   std::map<Index, Index> number;
   for (const auto& [x, p] : flat) number.emplace(x, static_cast<Index>(number.size()));
-  Sets component(number.size());
+  UnionFind component(number.size());
   for (const auto& [x, y] : found) component.join(number[x], number[y]);
   const auto part_of = [&](Index h) { return component.root(number.at(local[h].from)); };
 

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <map>
-#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,20 +19,6 @@ namespace overtet {
 // Not in general position; says where.
 struct Degenerate {
   std::string what;
-};
-
-// Sets of numbers that grow together.
-class Sets {
- public:
-  explicit Sets(std::size_t n) : up_(n) { std::iota(up_.begin(), up_.end(), 0); }
-  Index root(Index x) const {
-    while (up_[x] != x) x = up_[x] = up_[up_[x]];
-    return x;
-  }
-  void join(Index x, Index y) { up_[root(x)] = root(y); }
-
- private:
-  mutable std::vector<Index> up_;
 };
 
 // Nodes: the vertices, then points where an edge pierces a face, then triple points.

@@ -9,6 +9,8 @@
 #include <tuple>
 #include <utility>
 
+#include "kernels/core/tet_tables.h"
+#include "kernels/core/union_find.h"
 #include "kernels/delaunay/cavity.h"
 #include "kernels/parallel/parallel.h"
 #include "src/cdt/delaunay_match.h"
@@ -82,29 +84,20 @@ class DelaunayFirst {
     std::sort(tets.begin(), tets.end());
     tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
     for (std::size_t i = 0; i < tets.size(); ++i) cavity_of_[tets[i]] = static_cast<Index>(i);
-    std::vector<Index> parent(tets.size());
-    std::iota(parent.begin(), parent.end(), 0);
-    const auto find = [&](Index i) {
-      while (parent[i] != i) i = parent[i] = parent[parent[i]];
-      return i;
-    };
-    const auto join = [&](Index a, Index b) {
-      a = find(a), b = find(b);
-      if (a != b) parent[std::max(a, b)] = std::min(a, b);
-    };
+    UnionFind joined(tets.size());
     for (std::size_t i = 0; i < tets.size(); ++i)
       for (int k = 0; k < 4; ++k) {
         const Index other = next_[tets[i]][k];
         if (other < tets[i] || facet_on_[tets[i]][k] >= 0 || cavity_of_[other] < 0) continue;
-        join(static_cast<Index>(i), cavity_of_[other]);
+        joined.join_smaller(static_cast<Index>(i), cavity_of_[other]);
       }
     for (std::size_t i = 1; i < crossed_.size(); ++i)
       if (crossed_[i].second == crossed_[i - 1].second)
-        join(cavity_of_[crossed_[i].first], cavity_of_[crossed_[i - 1].first]);
+        joined.join_smaller(cavity_of_[crossed_[i].first], cavity_of_[crossed_[i - 1].first]);
     cavities_.clear();
     std::vector<Index> number(tets.size(), -1);
     for (std::size_t i = 0; i < tets.size(); ++i) {
-      Index& c = number[find(static_cast<Index>(i))];
+      Index& c = number[joined.root(static_cast<Index>(i))];
       if (c < 0) {
         c = static_cast<Index>(cavities_.size());
         cavities_.emplace_back();
@@ -123,7 +116,7 @@ class DelaunayFirst {
       for (int k = 0; k < 4; ++k) {
         const Index other = next_[t][k];
         if (other >= 0 && cavity_of_[other] == cavity_of_[t] && facet_on_[t][k] < 0) continue;
-        const Triple f = face_of(tet_[t], k);
+        const Triple f = tet_face(tet_[t], k);
         walls.push_back({{f[0], f[2], f[1]}, t, k});
       }
   }
@@ -219,14 +212,14 @@ class DelaunayFirst {
         for (int layer = 0; layer < pass; ++layer) grow(tets, kept, inside);
         sides.clear();
         for (std::size_t t = 0; t < tets.size(); ++t)
-          for (int k = 0; inside[t] && k < 4; ++k) sides.push_back({sorted(face_of(tets[t], k)), t, k});
+          for (int k = 0; inside[t] && k < 4; ++k) sides.push_back({sorted(tet_face(tets[t], k)), t, k});
         std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) { return a.key < b.key; });
         faces.clear();
         for (std::size_t i = 0; i < sides.size(); ++i) {
           const bool inner = (i > 0 && sides[i - 1].key == sides[i].key) ||
                              (i + 1 < sides.size() && sides[i + 1].key == sides[i].key);
           if (inner && !std::binary_search(kept.begin(), kept.end(), sides[i].key)) continue;
-          const Triple face = face_of(tets[sides[i].tet], sides[i].corner);
+          const Triple face = tet_face(tets[sides[i].tet], sides[i].corner);
           faces.push_back({face[0], face[2], face[1]});
         }
         add_both_sides(facet, faces);
@@ -253,13 +246,13 @@ class DelaunayFirst {
     std::vector<Triple> faces;
     for (std::size_t t = 0; t < tets.size(); ++t)
       for (int k = 0; inside[t] && k < 4; ++k)
-        if (const Triple key = sorted(face_of(tets[t], k));
+        if (const Triple key = sorted(tet_face(tets[t], k));
             !std::binary_search(kept.begin(), kept.end(), key))
           faces.push_back(key);
     std::sort(faces.begin(), faces.end());
     for (std::size_t t = 0; t < tets.size(); ++t)
       for (int k = 0; !inside[t] && k < 4; ++k)
-        inside[t] = std::binary_search(faces.begin(), faces.end(), sorted(face_of(tets[t], k)));
+        inside[t] = std::binary_search(faces.begin(), faces.end(), sorted(tet_face(tets[t], k)));
   }
 
   // What meets where tets take the place of those of cavities.
@@ -281,7 +274,7 @@ class DelaunayFirst {
     for (const Index f : facets) r.sides.push_back({sorted(facets_[f]), 1, f, 0});
     for (std::size_t i = 0; i < added.size(); ++i)
       for (int k = 0; k < 4; ++k)
-        r.sides.push_back({sorted(face_of(added[i], k)), 2, static_cast<Index>(i), k});
+        r.sides.push_back({sorted(tet_face(added[i], k)), 2, static_cast<Index>(i), k});
     std::sort(r.sides.begin(), r.sides.end(), [](const Replacement::Side& a, const Replacement::Side& b) {
       return std::tie(a.key, a.kind, a.a, a.corner) < std::tie(b.key, b.kind, b.a, b.corner);
     });
@@ -313,7 +306,7 @@ class DelaunayFirst {
             facet_on_[t][k] = sides[j].a;
           } else {
             const Wall& wall = r.walls[sides[j].a];
-            if (same_turn(wall.face, face_of(added[t - first], k))) continue;  // the wall's other side
+            if (same_turn(wall.face, tet_face(added[t - first], k))) continue;  // the wall's other side
             const Index f = facet_on_[wall.tet][wall.corner], outside = next_[wall.tet][wall.corner];
             facet_on_[t][k] = f;
             if (outside >= 0) {
@@ -483,7 +476,7 @@ std::optional<Error> DelaunayFirst::find_inside(Piece& piece) {
   for (Index t = 0; t < n; ++t)
     for (int k = 0; k < 4; ++k) {
       closed[t][k] = false;
-      const Triple face = face_of({r.T(t, 0), r.T(t, 1), r.T(t, 2), r.T(t, 3)}, k);
+      const Triple face = tet_face(r.T.row(t), k);
       const Index facet = table.find(face);
       if (facet < 0) continue;
       const Row& row = piece.rows[r.facet_sources[facet]];

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "kernels/core/tet_tables.h"
 #include "kernels/delaunay/cavity.h"
 #include "kernels/parallel/grouping.h"
 #include "kernels/parallel/parallel.h"
@@ -21,8 +22,6 @@ bool same_turn(const Triple& a, const Triple& b) {
   const int at = b[0] == a[0] ? 0 : b[1] == a[0] ? 1 : 2;
   return b[(at + 1) % 3] == a[1];
 }
-
-Triple face_of(const Tet& t, int k) { return {t[kTetFace[k][0]], t[kTetFace[k][1]], t[kTetFace[k][2]]}; }
 
 TriangleTable::TriangleTable(Index vertices, const std::vector<Triple>& triangles) : triangles_(triangles) {
   group_items(vertices, start_, items_, [&](auto&& visit) {
@@ -64,7 +63,7 @@ std::optional<Error> DelaunayMatch::run(const RunContext& context, DelaunayBuild
   parallel_for(static_cast<std::int64_t>(tet.size()), kLightGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t t = begin; t < end; ++t)
       for (int k = 0; k < 4; ++k) {
-        const Triple face = face_of(tet[t], k);
+        const Triple face = tet_face(tet[t], k);
         const Index f = facet_on[t][k] = table.find(face);
         // One tet on either side: nobody else writes here.
         if (f >= 0) found[2 * static_cast<std::size_t>(f) + same_turn(facets[f], face)] = 1;

@@ -23,9 +23,6 @@ Triple sorted(Triple t);
 // True when b is an even permutation of a. pre: b is a permutation of a.
 bool same_turn(const Triple& a, const Triple& b);
 
-// The face opposite to corner k, counter-clockwise seen from outside.
-Triple face_of(const Tet& t, int k);
-
 // Finds triangles by their corners.
 class TriangleTable {
  public:

@@ -7,6 +7,8 @@
 #include <span>
 #include <tuple>
 
+#include "kernels/core/tet_tables.h"
+#include "kernels/core/union_find.h"
 #include "kernels/parallel/grouping.h"
 #include "kernels/parallel/parallel.h"
 #include "src/cdt/tuning.h"
@@ -178,21 +180,15 @@ Result<TetgenResult> Parts::run() {
 // Tets that one missing facet passes through, or several that have tets in common.
 void Parts::find_clumps() {
   const auto& crossed = match_.crossed;
-  std::vector<Index> parent(tet_.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto find = [&](Index t) {
-    while (parent[t] != t) t = parent[t] = parent[parent[t]];
-    return t;
-  };
+  UnionFind clumps(tet_.size());
   for (std::size_t i = 1; i < crossed.size(); ++i) {
-    if (crossed[i].second != crossed[i - 1].second) continue;
-    const Index a = find(crossed[i].first), b = find(crossed[i - 1].first);
-    if (a != b) parent[std::max(a, b)] = std::min(a, b);
+    if (crossed[i].second == crossed[i - 1].second)
+      clumps.join_smaller(crossed[i].first, crossed[i - 1].first);
   }
   clump_of_.assign(tet_.size(), -1);
   std::vector<Index> tets;
   const auto number = [&](Index t) {
-    const Index root = find(t);
+    const Index root = clumps.root(t);
     if (clump_of_[root] < 0) {
       clump_of_[root] = static_cast<Index>(clump_at_.size());
       clump_at_.push_back(Eigen::Vector3d::Zero());
@@ -301,7 +297,7 @@ void Parts::collect_rows(Part& part) const {
       const Index there = other < 0 ? -1 : part_of_[other];
       // Between two tets of the part, the first one sees to it.
       if (there == here ? f < 0 || other < t : f < 0 && there < 0) continue;
-      part.rows.push_back({face_of(tet_[t], k), f, there >= 0 && there != here});
+      part.rows.push_back({tet_face(tet_[t], k), f, there >= 0 && there != here});
     }
   for (const auto& [t, f] : part.missing) part.rows.push_back({facets_[f], f, false});
   for (const Row& row : part.rows)
@@ -328,7 +324,7 @@ std::optional<Error> Parts::sort_out(Part& part) const {
   for (Index t = 0; t < n; ++t) {
     const Tet tet{r.T(t, 0), r.T(t, 1), r.T(t, 2), r.T(t, 3)};
     for (int k = 0; k < 4; ++k) {
-      const Triple face = face_of(tet, k);
+      const Triple face = tet_face(tet, k);
       const Index i = table.find(face);
       if (i < 0) continue;
       const Row& row = part.rows[r.facet_sources[i]];

@@ -7,6 +7,7 @@
 #include <set>
 #include <tuple>
 
+#include "kernels/core/union_find.h"
 #include "src/arrangement/face_cuts.h"
 #include "src/covering/gluing_search.h"
 #include "src/exact/exact.h"
@@ -140,7 +141,7 @@ class Checker {
     }
     std::vector<Index> before(n);
     for (Index h = 0; h < n; ++h) before[cuts_.halves[h].next] = h;
-    Sets side(2 * static_cast<std::size_t>(parts)), corner(2 * static_cast<std::size_t>(n));
+    UnionFind side(2 * static_cast<std::size_t>(parts)), corner(2 * static_cast<std::size_t>(n));
     for (const Sector& s : sectors) {
       side.join(2 * cuts_.halves[s.u].part + s.ku, 2 * cuts_.halves[s.v].part + s.kv);
       // A half's corner is the one at its end.
@@ -186,7 +187,7 @@ class Checker {
   // left is a tree of parts (those with holes left out), grown around every corner that but one cut leads to.
   // Across a cut names change, in the same way until the cut branches.
   void cut_handles(const std::vector<char>& cut, const std::vector<Sector>& sectors,
-                   const std::vector<Index>& before, const Sets& corner) {
+                   const std::vector<Index>& before, UnionFind& corner) {
     sector_cut_.assign(sectors.size(), 0);
     left_out_.assign(cuts_.face_of_part.size(), 0);
     std::vector<std::pair<int, Index>> order;  // what had better not be cut comes first
@@ -203,7 +204,7 @@ class Checker {
     const auto whole = [&](const Sector& s) {
       return !left_out_[side_of(s) / 2] && !left_out_[other_side_of(s) / 2];
     };
-    Sets grown(2 * cuts_.face_of_part.size());
+    UnionFind grown(2 * cuts_.face_of_part.size());
     std::map<Index, std::vector<Index>> at_corner;
     const auto corners = [&](const Sector& s) {
       return std::array<Index, 2>{corner.root(2 * s.u + s.ku), corner.root(2 * before[s.u] + s.ku)};
@@ -328,7 +329,7 @@ class Checker {
 
   void find_conditions() {
     const Index parts = static_cast<Index>(cuts_.face_of_part.size());
-    Sets region(parts);
+    UnionFind region(parts);
     // Edges that are not covered all along turn as they show: one gluing on both sides.
     const auto uncut = [&](std::size_t first, int count) {
       return std::none_of(sector_cut_.begin() + first, sector_cut_.begin() + first + count,

@@ -10,6 +10,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "kernels/core/union_find.h"
 #include "kernels/parallel/parallel.h"
 #include "src/covering/link.h"
 #include "src/covering/shared_points.h"
@@ -205,8 +206,7 @@ class Assigner {
     hinge_at_.assign(n, -1);
     for (std::size_t i = 0; i < hinges_.size(); ++i) hinge_at_[hinges_[i].vertex] = static_cast<Index>(i);
     // Ordinary vertices joined by edges that nothing pierces have the same number of layers over them.
-    patch_.resize(n);
-    for (Index v = 0; v < n; ++v) patch_[v] = v;
+    patch_.reset(static_cast<std::size_t>(n));
     layers_.assign(n, kUnknown);
     region_of_.assign(n, -1);
     tree_.distance.assign(n, kFar);
@@ -220,22 +220,14 @@ class Assigner {
       const Index a = half_edge_source(surface_.F, h), b = half_edge_target(surface_.F, h);
       total += (surface_.V.row(a) - surface_.V.row(b)).norm();
       ++count;
-      if (hinge_at_[a] < 0 && hinge_at_[b] < 0 && !is_pierced_[h]) patch_[root(a)] = root(b);
+      if (hinge_at_[a] < 0 && hinge_at_[b] < 0 && !is_pierced_[h]) patch_.join(a, b);
     }
     mean_length_ = count > 0 && total > 0 ? total / count : 1;
   }
 
-  Index root(Index v) {
-    while (patch_[v] != v) {
-      patch_[v] = patch_[patch_[v]];
-      v = patch_[v];
-    }
-    return v;
-  }
-
   // Layers over an ordinary vertex. kUndefined where no edge tells; that is less than any number.
   int layers(Index v) {
-    const Index r = root(v);
+    const Index r = patch_.root(v);
     if (layers_[r] != kUnknown) return layers_[r];
     int value = 0;
     bool found = false;
@@ -683,7 +675,7 @@ class Assigner {
   const std::vector<PiercedEdge>& pierced_;
   const RunContext& context_;
   std::vector<Index> hinge_at_;
-  std::vector<Index> patch_;
+  UnionFind patch_;
   static constexpr int kUnknown = std::numeric_limits<int>::min();
   static constexpr int kUndefined = std::numeric_limits<int>::min() / 4;
   std::vector<int> layers_;  // by root

@@ -7,9 +7,11 @@
 #include <numeric>
 #include <optional>
 #include <queue>
+#include <set>
 
 #include "kernels/bvh/self_intersections.h"
 #include "kernels/contact/contact.h"
+#include "kernels/core/union_find.h"
 #include "kernels/laplacian/laplacian.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/predicates/predicates.h"
@@ -207,21 +209,16 @@ void merge_into(Cluster& a, Cluster& b) {
 
 // Clusters of vertices that are joined by pairs of faces or by a shared vertex.
 std::vector<Cluster> cluster_pairs(const Surface& s, const Pairs& pairs, double radius) {
-  std::map<Index, Index> parent;
-  const auto find = [&](Index v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
+  UnionFind joined(static_cast<std::size_t>(s.V.rows()));
+  std::set<Index> seeds;
   for (const IndexPair& p : pairs)
     for (Index f : {p.a, p.b})
-      for (int k = 0; k < 3; ++k) parent.try_emplace(s.F(f, k), s.F(f, k));
-  for (const IndexPair& p : pairs) {
-    const Index root = find(s.F(p.a, 0));
-    for (Index f : {p.a, p.b})
-      for (int k = 0; k < 3; ++k) parent[find(s.F(f, k))] = root;
-  }
+      for (int k = 0; k < 3; ++k) {
+        seeds.insert(s.F(f, k));
+        joined.join(s.F(f, k), s.F(p.a, 0));
+      }
   std::map<Index, Cluster> by_root;
-  for (const auto& [v, unused] : parent) by_root[find(v)].seeds.push_back(v);
+  for (const Index v : seeds) by_root[joined.root(v)].seeds.push_back(v);
   std::vector<Cluster> clusters;
   for (auto& [root, cluster] : by_root) {
     cluster.radius = radius;

@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 
+#include "kernels/core/tet_tables.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/predicates/predicates.h"
 #include "src/mesh/local_operations.h"
@@ -232,14 +233,9 @@ class Clearer {
 
   // The faces opposite to v in its star, turned so that v lies on their positive side.
   void find_walls(Index v, std::vector<Triple>& walls) {
-    static constexpr int kInward[4][3] = {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}};
     complex_.star(v, star_);
     walls.clear();
-    for (const Index t : star_) {
-      const auto& tet = complex_.tet(t);
-      const int* k = kInward[complex_.corner(t, v)];
-      walls.push_back({tet[k[0]], tet[k[1]], tet[k[2]]});
-    }
+    for (const Index t : star_) walls.push_back(tet_inner_face(complex_.tet(t), complex_.corner(t, v)));
   }
 
   // Moves the interior neighbours of v to roomier places, so that v finds room itself.
@@ -269,8 +265,7 @@ class Clearer {
       for (int j = 0; j < 4; ++j) {
         if (j == k || complex_.neighbour(t, j) >= 0) continue;
         // Outward boundary face of t opposite to j, rotated to start at v.
-        static constexpr int kOutward[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-        Triple f{tet[kOutward[j][0]], tet[kOutward[j][1]], tet[kOutward[j][2]]};
+        Triple f = tet_face(tet, j);
         while (f[0] != v) std::rotate(f.begin(), f.begin() + 1, f.end());
         const auto label = label_.find(sorted(f));
         if (label == label_.end() || !next.try_emplace(f[1], f[2], label->second).second) return false;

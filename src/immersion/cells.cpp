@@ -6,6 +6,7 @@
 #include <string>
 #include <tuple>
 
+#include "kernels/core/tet_tables.h"
 #include "kernels/parallel/grouping.h"
 #include "kernels/parallel/parallel.h"
 
@@ -16,7 +17,6 @@ namespace {
 using Triple = std::array<Index, 3>;
 
 // The face opposite to corner k of a positive tet, oriented outward.
-constexpr int kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 
 constexpr std::int64_t kTetGrain = 1 << 14;
 
@@ -80,9 +80,7 @@ class CellFinder {
     std::vector<Index> facet_of(m, -1);
     out_.facet_on.assign(n, {-1, -1, -1, -1});
     corners_.clear();
-    const auto face = [&](Index t, int k) {
-      return Triple{tets_.T(t, kFace[k][0]), tets_.T(t, kFace[k][1]), tets_.T(t, kFace[k][2])};
-    };
+    const auto face = [&](Index t, int k) -> Triple { return tet_face(tets_.T.row(t), k); };
     std::vector<std::array<Index, 4>> searched;
     if (tets_.facet_on.empty()) {
       TriangleTable table(m);
@@ -233,8 +231,8 @@ class CellFinder {
     std::vector<Use> uses;
     for (Index f = 0; f < static_cast<Index>(in.faces.size()); ++f)
       for (int i = 0; i < 3; ++i) {
-        const Index a = tets_.T(in.faces[f].tet, kFace[in.faces[f].corner][i]);
-        const Index b = tets_.T(in.faces[f].tet, kFace[in.faces[f].corner][(i + 1) % 3]);
+        const Index a = tets_.T(in.faces[f].tet, kTetFace[in.faces[f].corner][i]);
+        const Index b = tets_.T(in.faces[f].tet, kTetFace[in.faces[f].corner][(i + 1) % 3]);
         uses.push_back({std::min(a, b), std::max(a, b), f, i});
       }
     parallel_sort_groups(uses, tets_.V.rows(), [](const auto& use) { return use.p; });
@@ -291,8 +289,7 @@ class CellFinder {
     Facet facet;
     facet.back = t, facet.front = other;
     out_.facets.push_back(facet);
-    corners_.push_back({tets_.T(t, kFace[face.corner][0]), tets_.T(t, kFace[face.corner][1]),
-                        tets_.T(t, kFace[face.corner][2])});
+    corners_.push_back(tet_face(tets_.T.row(t), face.corner));
     out_.facet_on[t][face.corner] = id;
     for (int j = 0; j < 4; ++j)
       if (tets_.neighbours(other, j) == t) out_.facet_on[other][j] = id;

@@ -5,6 +5,8 @@
 #include <span>
 #include <string>
 
+#include "kernels/core/tet_tables.h"
+#include "kernels/core/union_find.h"
 #include "kernels/parallel/grouping.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/raw_vector.h"
@@ -14,8 +16,6 @@ namespace overtet {
 namespace {
 
 constexpr std::int64_t kGrain = 1 << 13;  // tets, vertices
-
-constexpr int kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 
 // Copies of tets with explicit neighbours: until duplicate edges are gone, vertices do not identify faces.
 struct Copies {
@@ -78,25 +78,20 @@ class Builder {
       for (std::size_t c = 0; c < n; ++c)
         for (int k = 0; k < 4; ++k) visit(copies_.tet[c][k], static_cast<Index>(4 * c + k));
     });
+    UnionFind classes(4 * n);      // of corners
     RawVector<Index> root(4 * n);  // the first corner of its class
     parallel_for(tets_.V.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
-      const auto find = [&](Index i) {
-        while (root[i] != i) i = root[i] = root[root[i]];
-        return i;
-      };
       for (std::int64_t v = begin; v < end; ++v) {
         const std::span<const Index> here(corners.data() + start[v], corners.data() + start[v + 1]);
-        for (const Index i : here) root[i] = i;
         for (const Index i : here)
           for (int k = 0; k < 4; ++k) {
             const Index other = copies_.next[i / 4][k];
             if (k == i % 4 || other < i / 4) continue;  // boundary, or done from there
             int m = 0;
             while (copies_.tet[other][m] != v) ++m;
-            const Index a = find(i), b = find(4 * other + m);
-            if (a != b) root[std::max(a, b)] = std::min(a, b);
+            classes.join_smaller(i, 4 * other + m);
           }
-        for (const Index i : here) root[i] = find(i);
+        for (const Index i : here) root[i] = classes.root(i);
       }
     });
     std::vector<Index> number(4 * n, -1);
@@ -106,7 +101,7 @@ class Builder {
       for (int k = 0; k < 4; ++k) {
         if (copies_.next[c][k] >= 0) continue;
         const Index face = -1 - copies_.next[c][k];
-        for (const int j : kFace[k]) {
+        for (const int j : kTetFace[k]) {
           for (int m = 0; m < 3; ++m) {
             const Index v = surface_.F(face, m);
             if (arrangement_.vertex_of_input[v] != copies_.tet[c][j]) continue;
@@ -289,8 +284,7 @@ class Builder {
     std::map<std::array<Index, 3>, std::vector<std::pair<Index, int>>> sides;
     for (const Index c : tets_with(several, 3))
       for (int k = 0; k < 4; ++k) {
-        std::array<Index, 3> f{copies_.tet[c][kFace[k][0]], copies_.tet[c][kFace[k][1]],
-                               copies_.tet[c][kFace[k][2]]};
+        std::array<Index, 3> f = tet_face(copies_.tet[c], k);
         if (!several[f[0]] || !several[f[1]] || !several[f[2]]) continue;
         std::sort(f.begin(), f.end());
         sides[f].emplace_back(c, k);
@@ -339,7 +333,7 @@ class Builder {
   void split_face(Index c, int k) {
     const Index other = copies_.next[c][k];
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-    for (const int j : kFace[k]) centre += position_[copies_.tet[c][j]] / 3;
+    for (const int j : kTetFace[k]) centre += position_[copies_.tet[c][j]] / 3;
     const Index m = static_cast<Index>(position_.size());
     position_.push_back(centre);
     ++split_;
@@ -396,19 +390,19 @@ class Builder {
       std::array<Index, 3> triangle;
       Index face;
     };
-    const std::vector<Side> sides = parallel_collect<Side>(
-        static_cast<std::int64_t>(copies_.tet.size()), kGrain,
-        [&](std::int64_t begin, std::int64_t end, std::vector<Side>& list) {
-          for (std::int64_t c = begin; c < end; ++c) {
-            const auto& t = copies_.tet[c];
-            out.mesh.T.row(c) << t[0], t[1], t[2], t[3];
-            for (int k = 0; k < 4; ++k) {
-              out.neighbours(c, k) = std::max(copies_.next[c][k], -1);
-              if (copies_.next[c][k] < 0)
-                list.push_back({{t[kFace[k][0]], t[kFace[k][1]], t[kFace[k][2]]}, -1 - copies_.next[c][k]});
-            }
-          }
-        });
+    const std::vector<Side> sides =
+        parallel_collect<Side>(static_cast<std::int64_t>(copies_.tet.size()), kGrain,
+                               [&](std::int64_t begin, std::int64_t end, std::vector<Side>& list) {
+                                 for (std::int64_t c = begin; c < end; ++c) {
+                                   const auto& t = copies_.tet[c];
+                                   out.mesh.T.row(c) << t[0], t[1], t[2], t[3];
+                                   for (int k = 0; k < 4; ++k) {
+                                     out.neighbours(c, k) = std::max(copies_.next[c][k], -1);
+                                     if (copies_.next[c][k] < 0)
+                                       list.push_back({tet_face(t, k), -1 - copies_.next[c][k]});
+                                   }
+                                 }
+                               });
     for (const Side& side : sides) out.boundary.push_back(side.triangle), out.face.push_back(side.face);
     return out;
   }

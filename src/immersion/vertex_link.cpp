@@ -1,31 +1,11 @@
 #include "src/immersion/vertex_link.h"
 
 #include <algorithm>
-#include <numeric>
+#include "kernels/core/union_find.h"
 
 namespace overtet {
 
 namespace {
-
-class Classes {
- public:
-  explicit Classes(int n) : parent_(n), count_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
-  int find(int x) {
-    while (parent_[x] != x) x = parent_[x] = parent_[parent_[x]];
-    return x;
-  }
-  void join(int a, int b) {
-    a = find(a), b = find(b);
-    if (a == b) return;
-    parent_[a] = b;
-    --count_;
-  }
-  int count() const { return count_; }
-
- private:
-  std::vector<int> parent_;
-  int count_;
-};
 
 // Per copy in front of a facet, the copy behind it; negative where it ends.
 const std::vector<int>& behind(const Gluing& gluing, bool flipped) {
@@ -51,14 +31,15 @@ int points_at(const Fan& fan, const std::vector<const Gluing*>& chosen, const st
     begin[i] = total;
     total += (i % 2 == 0) != l.flipped ? r.front_winding : r.back_winding;
   }
-  Classes classes(total);
+  UnionFind classes(static_cast<std::size_t>(total));
+  int points = total;
   for (int i = 0; i < n; ++i) {
     const Fan::Leaf& l = fan.leaves[i];
     const std::vector<int>& to = behind(*chosen[l.region], l.flipped);
     for (int copy = 0; copy < static_cast<int>(to.size()); ++copy)
-      if (to[copy] >= 0) classes.join(begin[2 * i] + copy, begin[2 * i + 1] + to[copy]);
+      if (to[copy] >= 0 && classes.join(begin[2 * i] + copy, begin[2 * i + 1] + to[copy])) --points;
   }
-  return classes.count();
+  return points;
 }
 
 }  // namespace
@@ -67,27 +48,28 @@ bool makes_discs(const VertexLink& link, const std::vector<const Gluing*>& chose
                  const std::vector<Region>& regions) {
   std::vector<int> begin{0};
   for (const Index w : link.winding) begin.push_back(begin.back() + w);
-  Classes classes(begin.back());
+  UnionFind classes(static_cast<std::size_t>(begin.back()));
+  int surfaces = begin.back();
   std::vector<int> ending;  // copies at the border
   for (const VertexLink::Arc& arc : link.arcs) {
     const Gluing& gluing = *chosen[arc.region];
     const std::vector<int>&forth = behind(gluing, arc.flipped), &back = behind(gluing, !arc.flipped);
     for (int copy = 0; copy < static_cast<int>(forth.size()); ++copy) {
-      if (forth[copy] >= 0)
-        classes.join(begin[arc.front] + copy, begin[arc.back] + forth[copy]);
-      else
+      if (forth[copy] < 0)
         ending.push_back(begin[arc.front] + copy);
+      else if (classes.join(begin[arc.front] + copy, begin[arc.back] + forth[copy]))
+        --surfaces;
     }
     for (int copy = 0; copy < static_cast<int>(back.size()); ++copy)
       if (back[copy] < 0) ending.push_back(begin[arc.back] + copy);
   }
   std::vector<char> bounded(static_cast<std::size_t>(begin.back()), 0);
-  for (const int x : ending) bounded[classes.find(x)] = 1;
+  for (const int x : ending) bounded[classes.root(x)] = 1;
   const int discs = static_cast<int>(std::count(bounded.begin(), bounded.end(), 1));
   int euler = link.rest;
   for (const Fan& fan : link.corners) euler += points_at(fan, chosen, regions);
   // A sphere has 2, a disc 1, and everything else with a border less.
-  return euler == 2 * (classes.count() - discs) + discs;
+  return euler == 2 * (surfaces - discs) + discs;
 }
 
 }  // namespace overtet

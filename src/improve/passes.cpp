@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "kernels/core/tet_tables.h"
 #include "src/improve/bad_tets.h"
 #include "src/improve/tuning.h"
 
@@ -152,7 +153,7 @@ class Passes {
 
   bool flip(const BadTet& b, ImprovePass& record) {
     const auto c = b.corners;
-    for (const auto& [i, j] : kEdges)
+    for (const auto& [i, j] : kTetEdge)
       if (work_.remove_edge(b.tet, c[i], c[j])) {
         ++record.removed_edges;
         return touch();
@@ -167,7 +168,7 @@ class Passes {
 
   bool collapse_or_insert(const BadTet& b, ImprovePass& record) {
     const auto c = b.corners;
-    for (const auto& [i, j] : kEdges)
+    for (const auto& [i, j] : kTetEdge)
       if (work_.collapse(c[i], c[j]) || work_.collapse(c[j], c[i])) {
         ++record.collapsed;
         return touch();
@@ -202,8 +203,6 @@ class Passes {
     result_.end = ImproveResult::End::no_progress;
     return false;
   }
-
-  static constexpr int kEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
   LocalOperations& work_;
   const TetComplex& mesh_;

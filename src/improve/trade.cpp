@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "kernels/core/tet_tables.h"
 #include "src/improve/bad_tets.h"
 #include "src/improve/tuning.h"
 
@@ -27,7 +28,6 @@ std::int64_t fewer_bad(LocalOperations& work, const LocalOperations::Price& pric
       for (const Index v : mesh.tet(t)) touched[v] = now;
     return true;
   };
-  static constexpr int kEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
   for (int pass = 0; pass < kMostTradePasses; ++pass) {
     const std::vector<BadTet> bad = bad_tets(mesh, [&](Index t) -> std::optional<double> {
       return price(work.quality(t)) > 0 ? std::optional(-work.quality(t)) : std::nullopt;
@@ -49,7 +49,7 @@ std::int64_t fewer_bad(LocalOperations& work, const LocalOperations::Price& pric
         else
           rested[v] = now;
       }
-      for (const auto& [i, j] : kEdges)
+      for (const auto& [i, j] : kTetEdge)
         if (!done && (work.collapse_cheaper(c[i], c[j], price) || work.collapse_cheaper(c[j], c[i], price)))
           done = touch();
       if (!done && may_insert && work.insert_cheaper(b.tet, price)) done = touch();

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "kernels/core/tet_tables.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
 #include "kernels/tet_energy/tet_quality.h"
@@ -19,8 +20,6 @@ namespace overtet {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr int kEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
 using Corners = std::array<Index, 4>;
 
@@ -79,10 +78,10 @@ struct Change {
 std::vector<Change> changes_for(const LocalOperations& work, Index t) {
   using Kind = Change::Kind;
   std::vector<Change> changes{{Kind::none}};
-  for (const auto& e : kEdges) changes.push_back({Kind::split_edge, e[0], e[1]});
+  for (const auto& e : kTetEdge) changes.push_back({Kind::split_edge, e[0], e[1]});
   for (int i = 0; i < 4; ++i) changes.push_back({Kind::split_face, i});
   changes.push_back({Kind::split_tet});
-  for (const auto& e : kEdges) changes.push_back({Kind::remove_edge, e[0], e[1]});
+  for (const auto& e : kTetEdge) changes.push_back({Kind::remove_edge, e[0], e[1]});
   for (int i = 0; i < 4; ++i) {
     if (work.fixed(work.mesh().tet(t)[i])) continue;
     for (int j = 0; j < 4; ++j)
@@ -158,7 +157,7 @@ int mend(LocalOperations& work, double need, double goal, int most_dear, const M
     if (t < 0) break;
     const auto c = mesh.tet(t);
     bool done = false;
-    for (const auto& [i, j] : kEdges)
+    for (const auto& [i, j] : kTetEdge)
       if (!done && work.remove_edge(t, c[i], c[j])) done = changed();
     for (int k = 0; k < 4 && !done; ++k)
       if (work.flip_23(t, k)) done = changed();
@@ -167,12 +166,12 @@ int mend(LocalOperations& work, double need, double goal, int most_dear, const M
     for (const Index v : c)
       if (work.quality(t) < goal && work.smooth(v)) moved = changed();
     if (!(work.quality(t) < goal)) continue;
-    for (const auto& [i, j] : kEdges)
+    for (const auto& [i, j] : kTetEdge)
       if (!done && (work.collapse(c[i], c[j]) || work.collapse(c[j], c[i]))) done = changed();
     if (!done && work.quality(t) < need) {
       if (dear == most_dear) break;
       if (means.refill && work.reconnect(t)) done = changed();
-      for (const auto& [i, j] : kEdges)
+      for (const auto& [i, j] : kTetEdge)
         if (!done && work.insert_at_edge(t, c[i], c[j])) done = changed();
       if (!done && work.insert_at_tet(t)) done = changed();
       if (!done && means.insert_around && work.insert_around(t)) done = changed();

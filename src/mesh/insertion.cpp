@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "kernels/core/union_find.h"
 #include "kernels/predicates/predicates.h"
 #include "kernels/tet_energy/tet_quality.h"
 #include "src/mesh/local_operations.h"
@@ -43,19 +44,15 @@ bool LocalOperations::hull_of(const Tets& cavity, std::vector<Face>& hull) {
     Index a, b, face;  // the first face; -1 when the second one has been met
   };
   static thread_local std::vector<Edge> edges;
-  static thread_local std::vector<Index> parent, slots;
+  static thread_local std::vector<Index> slots;
+  static thread_local UnionFind pieces;
   if (hull.size() % 2 != 0) return false;
   edges.clear();
-  parent.resize(hull.size());
+  pieces.reset(hull.size());
   const std::size_t mask = std::bit_ceil(4 * hull.size()) - 1;
   slots.assign(mask + 1, -1);
-  const auto root = [&](Index f) {
-    while (parent[f] != f) f = parent[f] = parent[parent[f]];
-    return f;
-  };
-  std::size_t pieces = hull.size();
+  std::size_t piece_count = hull.size();
   for (std::size_t f = 0; f < hull.size(); ++f) {
-    parent[f] = static_cast<Index>(f);
     for (int k = 0; k < 3; ++k) {
       const Index x = hull[f][k], y = hull[f][(k + 1) % 3], a = std::min(x, y), b = std::max(x, y);
       std::size_t at = (static_cast<std::size_t>(a) * 0x9E3779B97F4A7C15u +
@@ -70,16 +67,13 @@ bool LocalOperations::hull_of(const Tets& cavity, std::vector<Face>& hull) {
       }
       Edge& e = edges[slots[at]];
       if (e.face < 0) return false;
-      const Index g = root(e.face), h = root(static_cast<Index>(f));
+      if (pieces.join(static_cast<Index>(f), e.face)) --piece_count;
       e.face = -1;
-      if (g != h) {
-        parent[h] = g;
-        --pieces;
-      }
     }
   }
   // No edge has three faces, and there are half as many edges as sides: each has two.
-  return edges.size() == 3 * hull.size() / 2 && pieces == 1 && vertices + hull.size() == edges.size() + 2;
+  return edges.size() == 3 * hull.size() / 2 && piece_count == 1 &&
+         vertices + hull.size() == edges.size() + 2;
 }
 
 bool LocalOperations::insert(Tets& cavity, const Vector3d& start, double gain) {

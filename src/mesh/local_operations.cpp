@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/core/tet_tables.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
 #include "kernels/tet_energy/tet_quality.h"
@@ -47,9 +48,7 @@ double LocalOperations::worst(const Tets& tets) const {
 }
 
 LocalOperations::Face LocalOperations::inner_face(Index t, int k) const {
-  static constexpr int kInner[4][3] = {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}};
-  const auto& c = mesh_.tet(t);
-  return {c[kInner[k][0]], c[kInner[k][1]], c[kInner[k][2]]};
+  return tet_inner_face(mesh_.tet(t), k);
 }
 
 void LocalOperations::refresh(std::span<const Index> tets) {

@@ -9,6 +9,7 @@
 #include <optional>
 #include <tuple>
 
+#include "kernels/core/union_find.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
 #include "src/mesh/tuning.h"
@@ -259,24 +260,19 @@ std::vector<int> cut_apart(const TetMesh& mesh, std::span<const Index> chosen, i
 }
 
 Pieces in_pieces(const TetMesh& mesh, std::span<const Index> chosen, int parts, std::span<const int> weight) {
-  std::vector<Index> up(static_cast<std::size_t>(mesh.V.rows()));
-  std::iota(up.begin(), up.end(), 0);
-  const auto root = [&](Index v) {
-    while (up[v] != v) v = up[v] = up[up[v]];
-    return v;
-  };
+  UnionFind joined(static_cast<std::size_t>(mesh.V.rows()));
   for (const Index t : chosen)
-    for (int k = 1; k < 4; ++k) up[root(mesh.T(t, k))] = root(mesh.T(t, 0));
+    for (int k = 1; k < 4; ++k) joined.join(mesh.T(t, k), mesh.T(t, 0));
   struct Piece {
     std::int64_t weight = 0;
     int number = 0;  // in the order of their first tets
   };
-  std::vector<int> piece_at(up.size(), -1);  // by root
+  std::vector<int> piece_at(joined.size(), -1);  // by root
   std::vector<Piece> pieces;
   std::vector<int> piece_of(chosen.size());
   std::int64_t all = 0;
   for (std::size_t i = 0; i < chosen.size(); ++i) {
-    int& p = piece_at[root(mesh.T(chosen[i], 0))];
+    int& p = piece_at[joined.root(mesh.T(chosen[i], 0))];
     if (p < 0) {
       p = static_cast<int>(pieces.size());
       pieces.push_back({0, p});

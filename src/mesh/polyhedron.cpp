@@ -29,7 +29,8 @@ bool sort_face(Polyhedron::Face& f) {
 
 bool has(const Polyhedron::Face& f, int v) { return f[0] == v || f[1] == v || f[2] == v; }
 
-// The faces of t as seen from inside.
+// The faces of t as seen from inside. The search follows their order and their first corners: not those of
+// kTetInnerFace.
 std::array<Polyhedron::Face, 4> inner_faces(const Polyhedron::Tet& t) {
   return {{{t[0], t[1], t[2]}, {t[1], t[0], t[3]}, {t[2], t[1], t[3]}, {t[0], t[2], t[3]}}};
 }

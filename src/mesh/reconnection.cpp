@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/core/tet_tables.h"
 #include "kernels/delaunay/tuning.h"
 #include "kernels/tet_energy/tet_quality.h"
 #include "src/mesh/local_operations.h"
@@ -18,9 +19,8 @@ using Eigen::Vector3d;
 using Sums = std::array<std::array<double, kMostPoints>, kMostPoints>;  // [i][j], i < j
 
 void add_angles(Sums& sums, const Polyhedron::Tet& t, const std::array<double, 6>& angles) {
-  static constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
   for (int e = 0; e < 6; ++e) {
-    const auto [i, j] = std::minmax(t[kEdges[e][0]], t[kEdges[e][1]]);
+    const auto [i, j] = std::minmax(t[kTetEdge[e][0]], t[kTetEdge[e][1]]);
     sums[i][j] += angles[e];
   }
 }

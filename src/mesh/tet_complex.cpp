@@ -5,16 +5,13 @@
 #include <cassert>
 #include <tuple>
 
+#include "kernels/core/tet_tables.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
 
 namespace overtet {
 
 namespace {
-
-// Corners of the face opposite to corner k, such that (face, corner k) has the tet's orientation mirrored:
-// seen from outside they run counter-clockwise when the tet is positive.
-constexpr int kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 
 // (i, j, kOther[i][j][0], kOther[i][j][1]) is an even permutation of 0..3.
 struct OtherCorners {
@@ -48,7 +45,8 @@ std::size_t hash(const auto& f) {
 }  // namespace
 
 TetComplex::Face TetComplex::face(Index t, int k) const {
-  Face f{tet_[t][kFace[k][0]], tet_[t][kFace[k][1]], tet_[t][kFace[k][2]], t, k};
+  const auto [a, b, c] = tet_face(tet_[t], k);
+  Face f{a, b, c, t, k};
   sort3(f.a, f.b, f.c);
   return f;
 }
@@ -249,8 +247,7 @@ std::vector<std::array<Index, 3>> TetComplex::boundary() const {
   for (Index t = 0; t < tet_capacity(); ++t) {
     if (!alive(t)) continue;
     for (int k = 0; k < 4; ++k)
-      if (next_[t][k] < 0)
-        faces.push_back({tet_[t][kFace[k][0]], tet_[t][kFace[k][1]], tet_[t][kFace[k][2]]});
+      if (next_[t][k] < 0) faces.push_back(tet_face(tet_[t], k));
   }
   return faces;
 }

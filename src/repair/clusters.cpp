@@ -1,7 +1,7 @@
 #include "src/repair/clusters.h"
 
 #include <algorithm>
-#include <numeric>
+#include "kernels/core/union_find.h"
 
 namespace overtet {
 
@@ -102,28 +102,24 @@ Offence Clusters::crease_around(const Surface& now, const Diagnosis& diagnosis, 
   // another strip, in a crease it crosses itself.
   std::vector<char> crosses(static_cast<std::size_t>(n), 0);
   for (const auto& [f, g] : diagnosis.pairs) crosses[f] = crosses[g] = 1;
-  std::vector<Index> parent(static_cast<std::size_t>(n));
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](Index i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
+  UnionFind strips(static_cast<std::size_t>(n));
   const std::vector<Index>& twin = diagnosis.topology.topology.twin;
   for (Index h = 0; h < 3 * n; ++h) {
     const Index f = half_edge_face(h), g = half_edge_face(twin[h]);
-    if (crosses[f] && crosses[g]) parent[root(f)] = root(g);
+    if (crosses[f] && crosses[g]) strips.join(f, g);
   }
   std::vector<int> partners(static_cast<std::size_t>(n), 0);
   for (const auto& [f, g] : diagnosis.pairs)
-    if (root(f) == root(g)) ++partners[f], ++partners[g];
+    if (strips.same(f, g)) ++partners[f], ++partners[g];
   std::vector<char> wanted(static_cast<std::size_t>(n), 0);
   std::vector<char> here(static_cast<std::size_t>(now.V.rows()), 0);
   for (const Index v : seed) here[v] = 1;
   for (Index f = 0; f < n; ++f)
-    if (crosses[f] && (here[now.F(f, 0)] || here[now.F(f, 1)] || here[now.F(f, 2)])) wanted[root(f)] = 1;
+    if (crosses[f] && (here[now.F(f, 0)] || here[now.F(f, 1)] || here[now.F(f, 2)]))
+      wanted[strips.root(f)] = 1;
   Offence all = seed;
   for (Index f = 0; f < n; ++f)
-    if (partners[f] >= kCreasePartners && wanted[root(f)])
+    if (partners[f] >= kCreasePartners && wanted[strips.root(f)])
       for (int k = 0; k < 3; ++k) all.push_back(now.F(f, k));
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
@@ -142,27 +138,23 @@ bool Clusters::assign(const Surface& now, const Findings& found, const std::vect
   const std::vector<Offence>& offences = found.offences;
   // Offences that share a vertex or an edge belong together.
   const std::size_t n = offences.size();
-  std::vector<std::size_t> parent(n);
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](std::size_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
-  std::vector<std::int64_t> first_at(now.V.rows(), -1);
+  UnionFind sets(n);
+  std::vector<Index> first_at(now.V.rows(), -1);
   for (std::size_t i = 0; i < n; ++i)
     for (const Index v : offences[i]) {
-      if (first_at[v] < 0) first_at[v] = static_cast<std::int64_t>(i);
-      parent[root(i)] = root(static_cast<std::size_t>(first_at[v]));
+      if (first_at[v] < 0) first_at[v] = static_cast<Index>(i);
+      sets.join(static_cast<Index>(i), first_at[v]);
     }
   for (std::size_t i = 0; i < n; ++i)
     for (const Index v : offences[i])
       for (const Index u : rings_(v))
-        if (first_at[u] >= 0) parent[root(i)] = root(static_cast<std::size_t>(first_at[u]));
+        if (first_at[u] >= 0) sets.join(static_cast<Index>(i), first_at[u]);
   std::vector<Offence> groups(n);
   std::vector<std::size_t> members(n, 0);
   for (std::size_t i = 0; i < n; ++i) {
-    Offence& g = groups[root(i)];
-    ++members[root(i)];
+    const Index root = sets.root(static_cast<Index>(i));
+    Offence& g = groups[root];
+    ++members[root];
     g.insert(g.end(), offences[i].begin(), offences[i].end());
   }
   const std::vector<int> before = state_.level;

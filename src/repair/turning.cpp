@@ -5,9 +5,9 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "kernels/bvh/bvh.h"
+#include "kernels/core/union_find.h"
 #include "kernels/sparse/cholesky.h"
 #include "src/exact/winding.h"
 
@@ -123,21 +123,6 @@ class Walls {
   TriangleBvh tree_;
 };
 
-class UnionFind {
- public:
-  explicit UnionFind(Index n) : parent_(static_cast<std::size_t>(n)) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  Index root(Index i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(Index a, Index b) { parent_[root(a)] = root(b); }
-
- private:
-  std::vector<Index> parent_;
-};
-
 class PartFinder {
  public:
   PartFinder(const Surface& surface, const Diagnosis& diagnosis, const RunContext& context)
@@ -205,7 +190,7 @@ class PartFinder {
   template <class Joined>
   void add_connected(Joined&& joined) {
     const SurfaceTopology& topology = diagnosis_.topology.topology;
-    UnionFind sets(n_);
+    UnionFind sets(static_cast<std::size_t>(n_));
     for (Index h = 0; h < 3 * n_; ++h) {
       const Index f = half_edge_face(h), g = twin_face(h);
       if (f < g && joined(f, g)) sets.join(f, g);
@@ -263,7 +248,7 @@ class PartFinder {
       return i != walls.end() && *i == f ? static_cast<Index>(i - walls.begin()) : -1;
     };
     const auto rows = static_cast<Index>(walls.size());
-    UnionFind sets(rows);
+    UnionFind sets(static_cast<std::size_t>(rows));
     for (Index i = 0; i < rows; ++i)
       for (Index h = 3 * walls[i]; h < 3 * walls[i] + 3; ++h)
         if (const Index j = row_of(twin_face(h)); j >= 0) sets.join(i, j);

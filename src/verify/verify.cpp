@@ -7,6 +7,8 @@
 #include <numeric>
 #include <unordered_map>
 
+#include "kernels/core/tet_tables.h"
+#include "kernels/core/union_find.h"
 #include "kernels/parallel/grouping.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
@@ -20,7 +22,6 @@ namespace {
 using Triple = std::array<Index, 3>;
 
 // Corners of the face opposite to corner k, outward.
-constexpr int kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 std::string list(const std::vector<Index>& items, std::size_t width) {
   std::string s;
   for (std::size_t i = 0; i < items.size(); i += width) {
@@ -69,9 +70,7 @@ Triple smallest_first(const Triple& f) {
   return {f[2], f[0], f[1]};
 }
 
-Triple corners(const TetMatrix& T, Index t, int face) {
-  return {T(t, kFace[face][0]), T(t, kFace[face][1]), T(t, kFace[face][2])};
-}
+Triple corners(const TetMatrix& T, Index t, int face) { return tet_face(T.row(t), face); }
 
 // The tets around one vertex and its link: the triangles opposite to it, turned outwards, with their vertices
 // and edges numbered from 0. Edges of the link are faces of the mesh. Used for one vertex after the other.
@@ -98,7 +97,7 @@ class Star {
       int corner = 0;
       while (T(tets[i], corner) != v) ++corner;
       Index t[3];
-      for (int k = 0; k < 3; ++k) t[k] = number_vertex(T(tets[i], kFace[corner][k]));
+      for (int k = 0; k < 3; ++k) t[k] = number_vertex(T(tets[i], kTetFace[corner][k]));
       for (int k = 0; k < 3; ++k) {
         triangle_.push_back(t[k]);
         add_edge(t[k], t[(k + 1) % 3], 3 * i + k);
@@ -141,13 +140,10 @@ class Star {
     for (const Index n : rim_)
       if (n != 0 && n != 2) return false;
     // In one piece?
-    parent_.resize(vertices_.size());
-    std::iota(parent_.begin(), parent_.end(), 0);
+    joined_.reset(vertices_.size());
     std::size_t pieces = vertices_.size();
-    for (const Edge& e : edges_) {
-      const Index a = root(e.a), b = root(e.b);
-      if (a != b) parent_[std::max(a, b)] = std::min(a, b), --pieces;
-    }
+    for (const Edge& e : edges_)
+      if (joined_.join_smaller(e.a, e.b)) --pieces;
     return pieces == 1;
   }
 
@@ -225,11 +221,6 @@ class Star {
   }
   Index triangle_start(Index place) const { return triangle_[place]; }
 
-  Index root(Index i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-
   Index v_ = 0;
   const Index* tets_ = nullptr;
   std::vector<Index> triangle_;  // three a tet, numbers of the link
@@ -237,7 +228,8 @@ class Star {
   std::vector<Edge> edges_;
   std::vector<Index> rim_;                  // by vertex of the link: boundary edges there
   std::vector<Index> vertex_at_, edge_at_;  // hash tables with open addressing
-  std::vector<Index> parent_, around_begin_, around_, order_;
+  UnionFind joined_;
+  std::vector<Index> around_begin_, around_, order_;
   std::vector<signed char> side_;
 };
 

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <map>
 
+#include "kernels/core/tet_tables.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/predicates/predicates.h"
 #include "kernels/tet_energy/tet_energy.h"
@@ -139,7 +140,6 @@ class Mapper {
   }
 
   void remesh(LocalOperations& work, const Patch& patch) {
-    static constexpr int kEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
     struct Bad {
       double quality;
       Index tet;
@@ -154,10 +154,10 @@ class Mapper {
     for (const Bad& b : bad) {
       if (!mesh_.alive(b.tet) || mesh_.tet(b.tet) != b.corners) continue;
       bool done = false;
-      for (const auto& e : kEdges)
+      for (const auto& e : kTetEdge)
         if (!done) done = work.remove_edge(b.tet, b.corners[e[0]], b.corners[e[1]]);
       for (int k = 0; k < 4 && !done; ++k) done = work.flip_23(b.tet, k);
-      for (const auto& e : kEdges)
+      for (const auto& e : kTetEdge)
         if (!done)
           done = work.collapse(b.corners[e[0]], b.corners[e[1]]) ||
                  work.collapse(b.corners[e[1]], b.corners[e[0]]);
@@ -545,10 +545,9 @@ Status check_postconditions(const VolumeMapResult& result, const VertexMatrix& t
     if (orient3d(p(0), p(1), p(2), p(3)) <= 0) return broken("tet " + std::to_string(t) + " is not positive");
     const auto angle =
         dihedral_angles(mesh.position(c[0]), mesh.position(c[1]), mesh.position(c[2]), mesh.position(c[3]));
-    static constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
     for (int e = 0; e < 6; ++e)
-      turn[{std::min(c[kEdges[e][0]], c[kEdges[e][1]]), std::max(c[kEdges[e][0]], c[kEdges[e][1]])}] +=
-          angle[e];
+      turn[{std::min(c[kTetEdge[e][0]], c[kTetEdge[e][1]]),
+            std::max(c[kTetEdge[e][0]], c[kTetEdge[e][1]])}] += angle[e];
   }
   for (const auto& f : mesh.boundary())
     for (int k = 0; k < 3; ++k) turn.erase({std::min(f[k], f[(k + 1) % 3]), std::max(f[k], f[(k + 1) % 3])});

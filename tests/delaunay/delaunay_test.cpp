@@ -1,4 +1,5 @@
 #include "kernels/delaunay/delaunay.h"
+#include "kernels/core/tet_tables.h"
 
 #include <gtest/gtest.h>
 
@@ -44,7 +45,7 @@ void expect_sound(const VertexMatrix& V, const TetArrays& mesh) {
     const Tet& c = mesh.tet[t];
     ASSERT_GT(orient3d(row(V, c[0]), row(V, c[1]), row(V, c[2]), row(V, c[3])), 0);
     for (int k = 0; k < 4; ++k) {
-      Triple face{c[kTetFace[k][0]], c[kTetFace[k][1]], c[kTetFace[k][2]]};
+      Triple face = tet_face(c, k);
       const Index other = mesh.next[t][k];
       if (other >= 0) {
         for (const Index v : face)
@@ -222,7 +223,7 @@ TEST(CavityFiller, FillsStarsOnce) {
       for (int k = 0; k < 4; ++k)
         if (mesh.next[t][k] < 0 || !star.count(mesh.next[t][k])) {
           const Tet& c = mesh.tet[t];
-          faces.push_back({c[kTetFace[k][0]], c[kTetFace[k][2]], c[kTetFace[k][1]]});
+          faces.push_back(tet_inner_face(c, k));
         }
     }
     std::vector<Tet> tets;

@@ -1,4 +1,5 @@
 #include "src/mesh/partition.h"
+#include "kernels/core/tet_tables.h"
 
 #include <gtest/gtest.h>
 
@@ -147,8 +148,7 @@ TEST(Parts, OperationsInRandomPartsKeepTheWholeValid) {
         LocalOperations work(part.complex);
         part.mark_shared(work);
         for (Index t = 0; t < part.complex.tet_capacity(); ++t) {
-          static constexpr int kEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
-          const auto& e = kEdges[random() % 6];
+          const auto& e = kTetEdge[random() % 6];
           const auto c = part.complex.tet(t);
           if (part.complex.alive(t)) changes += work.flip_23(t, static_cast<int>(random() % 4));
           if (part.complex.alive(t) && part.complex.tet(t) == c)

@@ -8,6 +8,8 @@
 #include <numbers>
 #include <random>
 
+#include "kernels/core/tet_tables.h"
+
 namespace overtet::test {
 
 namespace {
@@ -21,11 +23,10 @@ double volume(const TetMesh& m, Index t) {
 
 // The faces that belong to one tet only, outward.
 TriangleMatrix boundary_of(const TetMesh& m) {
-  constexpr int kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
   std::map<std::array<Index, 3>, std::array<Index, 3>> once;
   for (Index t = 0; t < m.T.rows(); ++t)
-    for (const auto& k : kFace) {
-      const std::array<Index, 3> f{m.T(t, k[0]), m.T(t, k[1]), m.T(t, k[2])};
+    for (int k = 0; k < 4; ++k) {
+      const std::array<Index, 3> f = tet_face(m.T.row(t), k);
       auto key = f;
       std::sort(key.begin(), key.end());
       if (const auto [at, added] = once.try_emplace(key, f); !added) once.erase(at);

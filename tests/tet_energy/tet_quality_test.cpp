@@ -39,9 +39,10 @@ TEST(TetQuality, AnglesAndSinesMatchTheTextbook) {
     const auto got = dihedral_angles(p[0], p[1], p[2], p[3]);
     DihedralSines sines;
     dihedral_sines(p[0], p[1], p[2], p[3], sines);
+    const int place[6] = {0, 3, 1, 2, 4, 5};  // of ab, bc, ca, ad, bd, cd in kTetEdge
     double least = 1;
     for (int e = 0; e < 6; ++e) {
-      EXPECT_NEAR(want[e], got[e], 1e-6);
+      EXPECT_NEAR(want[e], got[place[e]], 1e-6);
       EXPECT_NEAR(std::sin(want[e]), sines.sine[e], 1e-6);
       least = std::min(least, sines.sine[e]);
     }

@@ -10,18 +10,17 @@
 #include <random>
 #include <set>
 
+#include "kernels/core/tet_tables.h"
 #include "kernels/parallel/parallel.h"
 
 namespace overtet {
 namespace {
 
-constexpr int kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-
 // The faces of one tet only, in order of their tets: by brute force.
 Surface boundary_of(const TetMesh& m, Index surface_vertices) {
   std::map<std::array<Index, 3>, int> uses;
   const auto key = [&](Index t, int k) {
-    std::array<Index, 3> f = {m.T(t, kFace[k][0]), m.T(t, kFace[k][1]), m.T(t, kFace[k][2])};
+    std::array<Index, 3> f = tet_face(m.T.row(t), k);
     std::sort(f.begin(), f.end());
     return f;
   };
@@ -33,7 +32,7 @@ Surface boundary_of(const TetMesh& m, Index surface_vertices) {
     for (int k = 0; k < 4; ++k) {
       if (uses[key(t, k)] != 1) continue;
       s.F.conservativeResize(s.F.rows() + 1, 3);
-      for (int c = 0; c < 3; ++c) s.F(s.F.rows() - 1, c) = m.T(t, kFace[k][c]);
+      for (int c = 0; c < 3; ++c) s.F(s.F.rows() - 1, c) = m.T(t, kTetFace[k][c]);
     }
   return s;
 }

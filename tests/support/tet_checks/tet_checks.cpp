@@ -8,6 +8,7 @@
 #include <map>
 #include <vector>
 
+#include "kernels/core/tet_tables.h"
 #include "kernels/predicates/predicates.h"
 #include "kernels/tet_energy/tet_quality.h"
 
@@ -20,10 +21,7 @@ std::array<Index, 3> rotated(std::array<Index, 3> f) {
   return f;
 }
 
-std::array<Index, 3> outer(const TetComplex::Tet& t, int k) {
-  static constexpr int kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-  return rotated({t[kFace[k][0]], t[kFace[k][1]], t[kFace[k][2]]});
-}
+std::array<Index, 3> outer(const TetComplex::Tet& t, int k) { return rotated(tet_face(t, k)); }
 
 }  // namespace
 
@@ -39,7 +37,7 @@ FaceSet boundary_faces(const TetComplex& c) {
 
 void expect_valid(const TetComplex& c) {
   std::set<std::array<Index, 3>> oriented;
-  std::map<std::array<Index, 2>, double> turn;
+  std::map<std::pair<Index, Index>, double> turn;
   std::map<Index, std::vector<Index>> stars;
   for (Index t = 0; t < c.tet_capacity(); ++t) {
     if (!c.alive(t)) continue;
@@ -50,10 +48,7 @@ void expect_valid(const TetComplex& c) {
     for (int k = 0; k < 4; ++k) ASSERT_TRUE(oriented.insert(outer(v, k)).second) << "face of tet " << t;
     const auto angle =
         dihedral_angles(c.position(v[0]), c.position(v[1]), c.position(v[2]), c.position(v[3]));
-    static constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
-    for (int e = 0; e < 6; ++e)
-      turn[{std::min(v[kEdges[e][0]], v[kEdges[e][1]]), std::max(v[kEdges[e][0]], v[kEdges[e][1]])}] +=
-          angle[e];
+    for (int e = 0; e < 6; ++e) turn[std::minmax({v[kTetEdge[e][0]], v[kTetEdge[e][1]]})] += angle[e];
     for (const Index x : v) stars[x].push_back(t);
   }
   const FaceSet boundary = boundary_faces(c);
@@ -65,8 +60,9 @@ void expect_valid(const TetComplex& c) {
       boundary_vertices.insert(f[k]);
     }
   for (const auto& [edge, sum] : turn)
-    if (!boundary_edges.count(edge)) {  // thin tets have inexact angles, but a turn too many is 2 pi
-      ASSERT_NEAR(2 * M_PI, sum, 1) << "edge " << edge[0] << " " << edge[1];
+    if (!boundary_edges.count(
+            {edge.first, edge.second})) {  // thin tets have inexact angles, but a turn too many is 2 pi
+      ASSERT_NEAR(2 * M_PI, sum, 1) << "edge " << edge.first << " " << edge.second;
     }
   for (const auto& [v, star] : stars) {
     std::set<Index> corners;
