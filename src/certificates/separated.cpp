@@ -11,7 +11,8 @@
 #include "src/covering/edge_parts.h"
 #include "src/covering/pierced_edge.h"
 #include "src/covering/wound_edges.h"
-#include "src/exact/exact.h"
+#include "src/exact/rays.h"
+#include "src/mesh/submesh.h"
 
 namespace overtet {
 
@@ -28,33 +29,6 @@ constexpr int kScattered = 48;
 constexpr double kLongest = 1000;  // of their coordinates: short integers are easy to check
 
 using Direction = std::array<int, 3>;
-
-// One component as a surface of its own.
-struct Component {
-  Surface surface;
-  std::vector<Index> vertex;  // the whole surface's number of each of its vertices
-};
-
-Component part_of(const Surface& s, const SurfaceTopology& topology, Index component, bool wanted) {
-  Component out;
-  std::vector<Index> faces, number(s.V.rows(), -1);
-  for (Index f = 0; f < s.F.rows(); ++f)
-    if ((topology.component_of_face[f] == component) == wanted) {
-      faces.push_back(f);
-      for (const Index v : s.F.row(f)) number[v] = 0;
-    }
-  for (Index v = 0; v < s.V.rows(); ++v)
-    if (number[v] == 0) {
-      number[v] = static_cast<Index>(out.vertex.size());
-      out.vertex.push_back(v);
-    }
-  out.surface.V.resize(static_cast<Eigen::Index>(out.vertex.size()), 3);
-  for (std::size_t v = 0; v < out.vertex.size(); ++v) out.surface.V.row(v) = s.V.row(out.vertex[v]);
-  out.surface.F.resize(static_cast<Eigen::Index>(faces.size()), 3);
-  for (std::size_t f = 0; f < faces.size(); ++f)
-    for (int k = 0; k < 3; ++k) out.surface.F(f, k) = number[s.F(faces[f], k)];
-  return out;
-}
 
 // The winding number of the rest just beside points of the component.
 class Rest {
@@ -216,12 +190,15 @@ Result<std::optional<SeparatedCertificate>> find_separated_part(const Surface& s
     if (!h.B0) components.insert(topology.component_of_face[half_edge_face(topology.out[h.vertex])]);
   for (const Index c : components) {
     if (auto stop = context.stop()) return *stop;
-    const Component own = part_of(surface, topology, c, true);
+    std::vector<char> wanted(topology.components.size(), 0);
+    wanted[c] = 1;
+    const SubSurface own = sub_surface(surface, topology, wanted);
     const Study study(own.surface);
     const Result<WoundEdges> wound = study.wound(context);
     if (!wound.ok()) return wound.error();
     if (wound.value().odd_groups.empty()) continue;
-    const Component others = part_of(surface, topology, c, false);
+    for (char& w : wanted) w = !w;
+    const SubSurface others = sub_surface(surface, topology, wanted);
     const Rest rest(others.surface);
     for (const auto& group : wound.value().odd_groups) {
       const std::optional<Conditions> conditions = study.of_group(group);
@@ -234,7 +211,7 @@ Result<std::optional<SeparatedCertificate>> find_separated_part(const Surface& s
         SeparatedCertificate out;
         out.direction = d;
         for (const Index v : group) {
-          out.vertices.push_back(own.vertex[v]);
+          out.vertices.push_back(own.vertices[v]);
           out.B0.push_back(b0_of(study.hinges(), v));
         }
         out.positions = positions_of(surface, out.vertices);

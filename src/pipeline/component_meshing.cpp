@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "kernels/core/assertions.h"
 #include "src/cdt/tetgen.h"
 #include "src/immersion/immersion.h"
 #include "src/pipeline/stage_clock.h"
@@ -75,25 +76,6 @@ std::vector<char> flags(const SurfaceTopology& topology, const std::vector<Index
   std::vector<char> in(topology.components.size(), 0);
   for (const Index c : components) in[c] = 1;
   return in;
-}
-
-// The components for which `in` is set.
-PartSurface taken_out(const Surface& surface, const SurfaceTopology& topology, const std::vector<char>& in) {
-  PartSurface part;
-  std::vector<Index> number(static_cast<std::size_t>(surface.V.rows()), -1), faces;
-  for (Index f = 0; f < surface.F.rows(); ++f) {
-    if (!in[topology.component_of_face[f]]) continue;
-    faces.push_back(f);
-    for (int k = 0; k < 3; ++k) number[surface.F(f, k)] = 0;
-  }
-  for (Index v = 0; v < surface.V.rows(); ++v)
-    if (number[v] == 0) number[v] = static_cast<Index>(part.vertices.size()), part.vertices.push_back(v);
-  part.surface.V = surface.V(part.vertices, Eigen::all);
-  part.surface.F.resize(static_cast<Eigen::Index>(faces.size()), 3);
-  for (std::size_t i = 0; i < faces.size(); ++i)
-    for (int k = 0; k < 3; ++k)
-      part.surface.F(static_cast<Eigen::Index>(i), k) = number[surface.F(faces[i], k)];
-  return part;
 }
 
 class PartsMesher {
@@ -220,7 +202,7 @@ class PartsMesher {
     }
     const std::vector<char> in = flags(topology, components);
     const auto is_in = [&](Index f) { return in[topology.component_of_face[f]] != 0; };
-    PartSurface part_surface = taken_out(job_.surface, topology, in);
+    SubSurface part_surface = sub_surface(job_.surface, topology, in);
     const Surface& s = part_surface.surface;
     piece.vertices = std::move(part_surface.vertices);
 
@@ -276,13 +258,13 @@ Result<TetMesh> mesh_plain(const Surface& surface, const RunContext& context) {
   return mesh;
 }
 
-std::vector<PartSurface> parts_of(const Surface& surface, const Diagnosis& d) {
-  std::vector<PartSurface> out;
+std::vector<SubSurface> parts_of(const Surface& surface, const Diagnosis& d) {
+  std::vector<SubSurface> out;
   const std::vector<Part> parts = find_parts(surface, d);
   if (parts.size() < 2) return out;
   const SurfaceTopology& topology = d.topology.topology;
   for (const Part& part : parts)
-    out.push_back(taken_out(surface, topology, flags(topology, part.components)));
+    out.push_back(sub_surface(surface, topology, flags(topology, part.components)));
   return out;
 }
 
@@ -322,6 +304,7 @@ bool has_parts(const Surface& surface, const Diagnosis& d) {
 }
 
 Result<TetMesh> mesh_by_parts(const MeshingJob& job) {
+  OVERTET_EXPECTS(has_parts(job.surface, job.diagnosis));
   return timed_stage("parts", job.records, job.context,
                      [&](StageRecord& record) { return PartsMesher(job).run(record); });
 }

@@ -14,6 +14,7 @@
 #include "overtet/run_context.h"
 #include "overtet/types.h"
 #include "src/certificates/diagnose.h"
+#include "src/mesh/submesh.h"
 #include "src/pipeline/meshing_job.h"
 
 namespace overtet {
@@ -23,12 +24,8 @@ bool is_plain(const Diagnosis& diagnosis);
 // pre: is_plain(). TetGen alone.
 Result<TetMesh> mesh_plain(const Surface& surface, const RunContext& context);
 
-struct PartSurface {
-  Surface surface;
-  std::vector<Index> vertices;  // of the whole, increasing
-};
 // The parts, where there are two or more.
-std::vector<PartSurface> parts_of(const Surface& surface, const Diagnosis& diagnosis);
+std::vector<SubSurface> parts_of(const Surface& surface, const Diagnosis& diagnosis);
 
 struct PartMesh {
   std::vector<Index> vertices;  // of the whole, increasing: the part's surface vertices

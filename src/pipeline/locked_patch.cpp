@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 
+#include "kernels/core/assertions.h"
 #include "src/mesh/tet_complex.h"
 #include "src/mesh/topology.h"
 #include "src/pipeline/tuning.h"
@@ -31,27 +32,11 @@ class Grower {
         if (touched[static_cast<std::size_t>(surface_.F(f, k))]) add(f);
   }
 
-  LockedPatch result() const {
-    LockedPatch out;
-    std::vector<Index> number(static_cast<std::size_t>(surface_.V.rows()), -1);
-    for (Index f = 0; f < surface_.F.rows(); ++f) {
-      if (!has(f)) continue;
-      out.faces.push_back(f);
-      for (int k = 0; k < 3; ++k) number[static_cast<std::size_t>(surface_.F(f, k))] = 0;
-    }
-    Index next = 0;
-    for (Index& n : number)
-      if (n == 0) n = next++;
-    out.surface.V.resize(next, 3);
-    for (Index v = 0; v < surface_.V.rows(); ++v)
-      if (const Index n = number[static_cast<std::size_t>(v)]; n >= 0)
-        out.surface.V.row(n) = surface_.V.row(v);
-    out.surface.F.resize(static_cast<Eigen::Index>(out.faces.size()), 3);
-    for (std::size_t i = 0; i < out.faces.size(); ++i)
-      for (int k = 0; k < 3; ++k)
-        out.surface.F(static_cast<Eigen::Index>(i), k) =
-            number[static_cast<std::size_t>(surface_.F(out.faces[i], k))];
-    return out;
+  SubSurface result() const {
+    std::vector<Index> faces;
+    for (Index f = 0; f < surface_.F.rows(); ++f)
+      if (has(f)) faces.push_back(f);
+    return sub_surface(surface_, std::move(faces));
   }
 
  private:
@@ -61,8 +46,8 @@ class Grower {
 
 }  // namespace
 
-LockedPatch patch_around(const Surface& surface, const std::vector<FacePair>& pairs,
-                         const Eigen::Vector3d& place) {
+SubSurface patch_around(const Surface& surface, const std::vector<FacePair>& pairs,
+                        const Eigen::Vector3d& place) {
   Grower patch(surface);
   // Nearest by its corners' mean distance: a place on the surface is near some face's corners.
   Index nearest = 0;
@@ -156,6 +141,7 @@ std::vector<Index> pinched_at(const Surface& s) {
 }  // namespace
 
 LockedSolid solid_around(const TetMesh& mesh, const VertexMatrix& target, const std::vector<Index>& away) {
+  OVERTET_EXPECTS(target.rows() == mesh.surface_vertices);
   std::vector<char> in(static_cast<std::size_t>(mesh.T.rows()), 0);
   const auto add_stars = [&](const std::vector<Index>& seeds) {
     std::vector<char> seed(static_cast<std::size_t>(mesh.V.rows()), 0);

@@ -6,18 +6,15 @@
 
 #include "kernels/bvh/self_intersections.h"
 #include "overtet/types.h"
+#include "src/mesh/submesh.h"
 
 namespace overtet {
 
 // The faces at a place, some rings around them, the faces that those intersect (pairs: all intersecting pairs
 // of the surface), and a ring around these. Vertices and faces keep their order, coordinates their bits; the
-// patch is open. faces: the surface's number of each of its faces.
-struct LockedPatch {
-  Surface surface;
-  std::vector<Index> faces;
-};
-LockedPatch patch_around(const Surface& surface, const std::vector<FacePair>& pairs,
-                         const Eigen::Vector3d& place);
+// patch is open.
+SubSurface patch_around(const Surface& surface, const std::vector<FacePair>& pairs,
+                        const Eigen::Vector3d& place);
 
 // The part of a volume map around boundary vertices that did not reach their places, as a problem of its own:
 // a closed surface, and a positive tet mesh with the same faces whose vertices are where they got to. Where

@@ -22,7 +22,7 @@ double diagonal_of(const Surface& surface) {
 struct FirstFailure {
   Error error;
   std::optional<Eigen::Vector3d> unglued;
-  std::vector<PartSurface> parts;
+  std::vector<SubSurface> parts;
 };
 
 // The mesh of the surface as it is, or nothing and why.
@@ -46,7 +46,7 @@ Result<std::optional<TetMesh>> mesh_as_it_is(const Surface& surface, const Meshi
 class MovesOfParts {
  public:
   // size: the part's diagonal over that of the whole.
-  void add(const PartSurface& part, const Moves& moves, double size) {
+  void add(const SubSurface& part, const Moves& moves, double size) {
     for (const Index v : moves.vertices) all_.vertices.push_back(part.vertices[v]);
     all_.max_relative = std::max(all_.max_relative, size * moves.max_relative);
     sum_ += size * moves.mean_relative * static_cast<double>(moves.vertices.size());
@@ -64,7 +64,7 @@ class MovesOfParts {
 
 // Each part by itself, repaired where it has no mesh. Nothing is said of how they lie to each other, so none
 // is moved because of another one. Errors: of the first part that could not be repaired.
-Result<MeshedSurface> repair_by_parts(const Surface& surface, const std::vector<PartSurface>& parts,
+Result<MeshedSurface> repair_by_parts(const Surface& surface, const std::vector<SubSurface>& parts,
                                       const MeshingOptions& options, const RunContext& context,
                                       std::vector<StageRecord>& records) {
   const double diagonal = diagonal_of(surface);
@@ -74,7 +74,7 @@ Result<MeshedSurface> repair_by_parts(const Surface& surface, const std::vector<
   Surface repaired = surface;
   std::vector<PartMesh> meshes;
   MovesOfParts moves;
-  for (const PartSurface& part : parts) {
+  for (const SubSurface& part : parts) {
     const double size = diagonal_of(part.surface) / diagonal;
     own.max_repair_move = std::min(1.0, options.max_repair_move / size);
     Report report;

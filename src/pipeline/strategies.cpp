@@ -60,7 +60,7 @@ std::vector<Figure> figures_of(const ImmersionResult& x) {
 Error unglued(const MeshingJob& job, const Error& error) {
   if (error.place) {
     const auto& p = *error.place;
-    const LockedPatch patch =
+    const SubSurface patch =
         patch_around(job.surface, job.diagnosis.pairs, Eigen::Vector3d(p[0], p[1], p[2]));
     if (Status s = keep(job, "locked", patch.surface); !s) return s.error();
   }

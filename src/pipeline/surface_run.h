@@ -45,7 +45,7 @@ class SurfaceRun {
   const std::optional<Certificate>& certificate() const { return found_.diagnosis.certificate; }
   // Where the sheets could not be glued, in the input's space.
   const std::optional<Eigen::Vector3d>& unglued() const { return unglued_; }
-  std::vector<PartSurface> parts() const { return parts_of(input_, found_.diagnosis); }
+  std::vector<SubSurface> parts() const { return parts_of(input_, found_.diagnosis); }
 
  private:
   Status open_files();

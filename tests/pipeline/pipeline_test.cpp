@@ -452,7 +452,7 @@ TEST(Pipeline, ThePatchAroundAPlaceIsPartOfTheSurface) {
   const Inspection found = inspect(s, InspectionDepth::verdict, {}).value();
   ASSERT_FALSE(found.diagnosis.hinges.empty());
   const Index hinge = found.diagnosis.hinges.front().vertex;
-  const LockedPatch patch = patch_around(s, found.diagnosis.pairs, s.V.row(hinge));
+  const SubSurface patch = patch_around(s, found.diagnosis.pairs, s.V.row(hinge));
   ASSERT_EQ(patch.faces.size(), static_cast<std::size_t>(patch.surface.F.rows()));
   const std::set<Index> faces(patch.faces.begin(), patch.faces.end());
   for (Index i = 0; i < patch.surface.F.rows(); ++i)
