@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "kernels/core/triangles.h"
 #include "kernels/delaunay/delaunay.h"
 #include "kernels/parallel/raw_vector.h"
 #include "overtet/result.h"
@@ -17,8 +18,6 @@ namespace overtet {
 
 using Tet = std::array<Index, 4>;
 using Triple = std::array<Index, 3>;
-
-Triple sorted(Triple t);
 
 // True when b is an even permutation of a. pre: b is a permutation of a.
 bool same_turn(const Triple& a, const Triple& b);

@@ -18,6 +18,7 @@
 #include <optional>
 #include <string>
 
+#include "kernels/core/triangles.h"
 #include "src/cdt/tetgen_helper.h"
 #include "src/cdt/tetgen_wire.h"
 #include "src/cdt/tuning.h"
@@ -210,10 +211,8 @@ Status check_input(const Plc& plc) {
   return success();
 }
 
-std::array<Index, 3> sorted(const TriangleMatrix& F, Eigen::Index f) {
-  std::array<Index, 3> key{F(f, 0), F(f, 1), F(f, 2)};
-  std::sort(key.begin(), key.end());
-  return key;
+std::array<Index, 3> key(const TriangleMatrix& F, Eigen::Index f) {
+  return sorted(std::array<Index, 3>{F(f, 0), F(f, 1), F(f, 2)});
 }
 
 // Drops TetGen's own points that no tet uses; says which input vertices none uses.
@@ -358,7 +357,7 @@ std::optional<Error> take_facets(const Plc& plc, const TetgenOptions& options, T
     bool same = result.facets.rows() == plc.F.rows();
     for (Eigen::Index f = 0; same && f < result.facets.rows(); ++f) {
       const Index source = result.facet_sources[f];
-      same = !seen[source] && sorted(result.facets, f) == sorted(plc.F, source);
+      same = !seen[source] && key(result.facets, f) == key(plc.F, source);
       seen[source] = 1;
     }
     if (!same) return unsolved("TetGen could not keep every facet whole.");

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "kernels/core/tet_tables.h"
+#include "kernels/core/triangles.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/predicates/predicates.h"
 #include "src/mesh/local_operations.h"
@@ -53,11 +54,6 @@ constexpr int kShrinkings = 64;
 constexpr int kHomeRounds = 16;
 
 constexpr std::int64_t kGrain = 32;  // points
-
-Triple sorted(Triple t) {
-  std::sort(t.begin(), t.end());
-  return t;
-}
 
 class Clearer {
  public:
@@ -338,7 +334,7 @@ class Clearer {
   void relabel(Index v, const std::vector<Index>& ring, const std::vector<Triple>& caps,
                const std::vector<Index>& cap_face) {
     for (std::size_t i = 0; i < ring.size(); ++i)
-      label_.erase(sorted({v, ring[i], ring[(i + 1) % ring.size()]}));
+      label_.erase(sorted(Triple{v, ring[i], ring[(i + 1) % ring.size()]}));
     for (std::size_t i = 0; i < caps.size(); ++i) label_[sorted(caps[i])] = cap_face[i];
     ++result_.removed;
   }

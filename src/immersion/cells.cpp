@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "kernels/core/tet_tables.h"
+#include "kernels/core/triangles.h"
 #include "kernels/parallel/grouping.h"
 #include "kernels/parallel/parallel.h"
 
@@ -19,11 +20,6 @@ using Triple = std::array<Index, 3>;
 // The face opposite to corner k of a positive tet, oriented outward.
 
 constexpr std::int64_t kTetGrain = 1 << 14;
-
-Triple sorted(Triple t) {
-  std::sort(t.begin(), t.end());
-  return t;
-}
 
 // Finds triangles by their three vertices; open addressing, insertion order does not matter.
 class TriangleTable {

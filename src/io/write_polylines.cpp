@@ -1,6 +1,6 @@
 #include <string_view>
 
-#include "src/io/file.h"
+#include "src/io/filled_file.h"
 #include "src/io/polylines_io.h"
 
 namespace overtet {
@@ -73,15 +73,12 @@ Result<CurveFormat> curve_format_of(const std::string& path) {
 }
 
 Status write_polylines(const std::string& path, const Polylines& polylines, CurveFormat format) {
-  AtomicFile file;
-  if (Status s = file.open(path); !s) return s;
-  TextWriter out(file);
-  if (format == CurveFormat::vtp)
-    write_vtp(out, polylines);
-  else
-    write_obj_lines(out, polylines);
-  if (Status s = out.finish(); !s) return s;
-  return file.commit();
+  return io_detail::write_file(path, [&](TextWriter& out) {
+    if (format == CurveFormat::vtp)
+      write_vtp(out, polylines);
+    else
+      write_obj_lines(out, polylines);
+  });
 }
 
 }  // namespace overtet

@@ -2,7 +2,7 @@
 #include <cstring>
 
 #include "overtet/io.h"
-#include "src/io/file.h"
+#include "src/io/filled_file.h"
 
 namespace overtet {
 
@@ -79,22 +79,16 @@ Result<SurfaceFormat> surface_format_of(const std::string& path) {
 Status write_surface(const std::string& path, const Surface& surface, SurfaceFormat format,
                      const RunContext& context) {
   const ScopedThreads threads(context.threads > 0 ? context.threads : thread_cap());
-  AtomicFile file;
-  if (Status s = file.open(path); !s) return s;
-  TextWriter out(file);
-  switch (format) {
-    case SurfaceFormat::off:
-      write_off(out, surface);
-      break;
-    case SurfaceFormat::obj:
-      write_obj(out, surface);
-      break;
-    case SurfaceFormat::ply:
-      write_ply(out, surface);
-      break;
-  }
-  if (Status s = out.finish(); !s) return s;
-  return file.commit();
+  return io_detail::write_file(path, [&](TextWriter& out) {
+    switch (format) {
+      case SurfaceFormat::off:
+        return write_off(out, surface);
+      case SurfaceFormat::obj:
+        return write_obj(out, surface);
+      case SurfaceFormat::ply:
+        return write_ply(out, surface);
+    }
+  });
 }
 
 }  // namespace overtet

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <vector>
 
-#include "src/io/file.h"
+#include "src/io/filled_file.h"
 
 namespace overtet {
 
@@ -133,14 +133,6 @@ std::string_view extension(std::string_view path) {
   return path.substr(dot);
 }
 
-template <class Write>
-Status fill(AtomicFile& file, const std::string& path, Write write) {
-  if (Status s = file.open(path); !s) return s;
-  TextWriter out(file);
-  write(out);
-  return out.finish();
-}
-
 }  // namespace
 
 Result<TetFormat> tet_format_named(std::string_view name) {
@@ -166,36 +158,30 @@ Result<TetFormat> tet_format_of(const std::string& path) {
 
 Status write_tets(const std::string& path, const TetMesh& mesh, TetFormat format, const RunContext& context) {
   const ScopedThreads threads(context.threads > 0 ? context.threads : thread_cap());
-  AtomicFile file, second;
-  Status status = success();
   switch (format) {
     case TetFormat::medit:
-      status = fill(file, path, [&](TextWriter& w) { write_medit(w, mesh); });
-      break;
+      return io_detail::write_file(path, [&](TextWriter& w) { write_medit(w, mesh); });
     case TetFormat::gmsh22:
-      status = fill(file, path, [&](TextWriter& w) { write_gmsh22(w, mesh); });
-      break;
+      return io_detail::write_file(path, [&](TextWriter& w) { write_gmsh22(w, mesh); });
     case TetFormat::gmsh41:
-      status = fill(file, path, [&](TextWriter& w) { write_gmsh41(w, mesh); });
-      break;
+      return io_detail::write_file(path, [&](TextWriter& w) { write_gmsh41(w, mesh); });
     case TetFormat::vtu:
-      status = fill(file, path, [&](TextWriter& w) { write_vtu(w, mesh); });
-      break;
+      return io_detail::write_file(path, [&](TextWriter& w) { write_vtu(w, mesh); });
     case TetFormat::tetgen: {
       const std::string_view e = extension(path);
       const std::string base = e == ".node" || e == ".ele" ? path.substr(0, path.size() - e.size()) : path;
-      status = fill(file, base + ".node", [&](TextWriter& w) { write_node(w, mesh); });
-      if (!status) return status;
-      status = fill(second, base + ".ele", [&](TextWriter& w) { write_ele(w, mesh); });
-      if (!status) return status;
-      if (status = file.sync(); !status) return status;
-      if (status = second.sync(); !status) return status;
-      if (status = file.commit(); !status) return status;
+      AtomicFile file, second;
+      const auto nodes = [&](TextWriter& w) { write_node(w, mesh); };
+      const auto elements = [&](TextWriter& w) { write_ele(w, mesh); };
+      if (Status s = io_detail::fill(file, base + ".node", nodes); !s) return s;
+      if (Status s = io_detail::fill(second, base + ".ele", elements); !s) return s;
+      if (Status s = file.sync(); !s) return s;
+      if (Status s = second.sync(); !s) return s;
+      if (Status s = file.commit(); !s) return s;
       return second.commit();
     }
   }
-  if (!status) return status;
-  return file.commit();
+  return Error{ErrorCode::internal, "There is no such format."};
 }
 
 }  // namespace overtet

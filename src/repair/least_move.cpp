@@ -8,6 +8,7 @@
 #include "kernels/bvh/bvh.h"
 #include "src/exact/winding.h"
 #include "src/mesh/topology.h"
+#include "src/repair/ray_hit.h"
 
 namespace overtet {
 
@@ -100,12 +101,8 @@ class Balls {
   double along(const Vector3d& from, const Vector3d& d) const {
     double far = 1e300;
     diagnosis_.bvh->query_ray(from.data(), d.data(), 0, [&](Index f) {
-      const Vector3d a = corner(f, 0), e = corner(f, 1) - a, g = corner(f, 2) - a, q = d.cross(g),
-                     t = from - a;
-      const double det = e.dot(q);
-      if (!(det != 0)) return;
-      const double u = t.dot(q) / det, v = d.dot(t.cross(e)) / det, s = g.dot(t.cross(e)) / det;
-      if (u >= 0 && v >= 0 && u + v <= 1 && s > 0) far = std::min(far, s);
+      if (const auto hit = ray_hit(from, d, corner(f, 0), corner(f, 1), corner(f, 2)))
+        far = std::min(far, hit->far);
     });
     return far;
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "src/exact/winding.h"
+#include "src/mesh/flat_faces.h"
 
 namespace overtet {
 
@@ -14,21 +15,6 @@ constexpr double kFlatFace = 1e-14;  // height over reach below which a face cou
 constexpr std::size_t kFlood = 200000;
 constexpr double kAhead =
     1e-9;  // of the diagonal: so far in front of a vertex the winding number is looked at
-
-std::vector<Index> flat_faces(const Surface& s) {
-  std::vector<Index> flat;
-  const Eigen::RowVector3d centre = (s.V.colwise().minCoeff() + s.V.colwise().maxCoeff()) / 2;
-  const double offset = centre.cwiseAbs().maxCoeff();
-  for (Index f = 0; f < s.F.rows(); ++f) {
-    const Eigen::Vector3d a = s.V.row(s.F(f, 0)), b = s.V.row(s.F(f, 1)), c = s.V.row(s.F(f, 2));
-    const double longest =
-        std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
-    const double reach =
-        std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff(), offset});
-    if ((b - a).cross(c - a).norm() <= kFlatFace * reach * longest) flat.push_back(f);
-  }
-  return flat;
-}
 
 // All vertices around `seed` in front of which the winding number is negative: the part that pokes out.
 Offence flooded(const Surface& now, const Diagnosis& diagnosis, const VertexRings& rings, double diagonal,
@@ -71,7 +57,9 @@ Result<Findings> find_offences(const Surface& surface, const VertexRings& rings,
   Findings found;
   std::vector<Offence>& offences = found.offences;
   const auto corners = [&](Index f) { return Offence{surface.F(f, 0), surface.F(f, 1), surface.F(f, 2)}; };
-  for (const Index f : flat_faces(surface)) offences.push_back(corners(f));
+  const Eigen::RowVector3d centre = (surface.V.colwise().minCoeff() + surface.V.colwise().maxCoeff()) / 2;
+  for (const Index f : flat_faces(surface, kFlatFace, centre.cwiseAbs().maxCoeff()))
+    offences.push_back(corners(f));
   DiagnoseOptions options;
   RunContext silent = context;
   silent.progress = nullptr;

@@ -10,6 +10,7 @@
 #include "kernels/core/union_find.h"
 #include "kernels/sparse/cholesky.h"
 #include "src/exact/winding.h"
+#include "src/repair/ray_hit.h"
 
 namespace overtet {
 
@@ -98,14 +99,9 @@ class Walls {
     const Vector3d p = from + slack * d;
     tree_.query_ray(p.data(), d.data(), slack, [&](Index g) {
       if (g == but) return;
-      const Vector3d a = corner(g, 0), e1 = corner(g, 1) - a, e2 = corner(g, 2) - a, q = d.cross(e2),
-                     t = p - a;
-      const double det = e1.dot(q);
-      if (!(det != 0)) return;
-      const double u = t.dot(q) / det, v = d.dot(t.cross(e1)) / det, far = e2.dot(t.cross(e1)) / det;
-      if (!(u >= 0 && v >= 0 && u + v <= 1 && far > 0) || far > hit.far || (far == hit.far && g > hit.row))
-        return;
-      hit = {g, far, {1 - u - v, u, v}};
+      const auto met = ray_hit(p, d, corner(g, 0), corner(g, 1), corner(g, 2));
+      if (!met || met->far > hit.far || (met->far == hit.far && g > hit.row)) return;
+      hit = {g, met->far, {1 - met->u - met->v, met->u, met->v}};
     });
     if (hit.row >= 0 &&
         (corner(hit.row, 1) - corner(hit.row, 0)).cross(corner(hit.row, 2) - corner(hit.row, 0)).dot(d) >= 0)

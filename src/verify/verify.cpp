@@ -8,6 +8,7 @@
 #include <unordered_map>
 
 #include "kernels/core/tet_tables.h"
+#include "kernels/core/triangles.h"
 #include "kernels/core/union_find.h"
 #include "kernels/parallel/grouping.h"
 #include "kernels/parallel/parallel.h"
@@ -62,12 +63,6 @@ void report(VerifyResult& r, Rule rule, const Finding& f, const std::string& wha
     m += list(f.first, f.width) + ")";
   }
   r.failures.push_back({rule, m + ".", f.count, f.first});
-}
-
-Triple smallest_first(const Triple& f) {
-  if (f[0] <= f[1] && f[0] <= f[2]) return f;
-  if (f[1] <= f[0] && f[1] <= f[2]) return {f[1], f[2], f[0]};
-  return {f[2], f[0], f[1]};
 }
 
 Triple corners(const TetMatrix& T, Index t, int face) { return tet_face(T.row(t), face); }
@@ -282,11 +277,11 @@ void compare_boundary(VerifyResult& r, const Surface& surface, const std::vector
   parallel_invoke(
       [&] {
         for (Index f = 0; f < surface.F.rows(); ++f)
-          want.push_back(smallest_first({surface.F(f, 0), surface.F(f, 1), surface.F(f, 2)}));
+          want.push_back(rotated(Triple{surface.F(f, 0), surface.F(f, 1), surface.F(f, 2)}));
         distinct(want);
       },
       [&] {
-        for (const Triple& f : boundary) have.push_back(smallest_first(f));
+        for (const Triple& f : boundary) have.push_back(rotated(f));
         distinct(have);
       });
   std::vector<Triple> missing, extra;

@@ -1,4 +1,5 @@
 #include "src/mesh/polyhedron.h"
+#include "kernels/core/triangles.h"
 
 #include <gtest/gtest.h>
 
@@ -24,18 +25,13 @@ std::array<Face, 4> inner_faces(const Tet& t) {
   return {{{t[0], t[1], t[2]}, {t[1], t[0], t[3]}, {t[2], t[1], t[3]}, {t[0], t[2], t[3]}}};
 }
 
-// The smallest corner first, orientation kept.
-Face turned(Face f) {
-  std::rotate(f.begin(), std::min_element(f.begin(), f.end()), f.end());
-  return f;
-}
-Face back(const Face& f) { return turned({f[1], f[0], f[2]}); }
+Face back(const Face& f) { return rotated(Face{f[1], f[0], f[2]}); }
 
 std::set<Face> hull_of(const std::vector<Tet>& tets) {
   std::set<Face> hull;
   for (const Tet& t : tets)
     for (const Face& f : inner_faces(t))
-      if (!hull.erase(back(f))) hull.insert(turned(f));
+      if (!hull.erase(back(f))) hull.insert(rotated(f));
   return hull;
 }
 
@@ -59,7 +55,7 @@ double best_by_hand(const Shape& s, std::set<Face> open, std::set<std::array<int
     for (const Face& g : inner_faces(t)) {
       Face sorted = g;
       std::sort(sorted.begin(), sorted.end());
-      if (now_open.erase(turned(g))) continue;
+      if (now_open.erase(rotated(g))) continue;
       if (!now_used.insert(sorted).second) fits = false;
       now_open.insert(back(g));
     }

@@ -1,4 +1,5 @@
 #include "src/repair/lessening.h"
+#include "tests/repair/verdict.h"
 
 #include <gtest/gtest.h>
 
@@ -12,10 +13,7 @@
 namespace overtet {
 namespace {
 
-Verdict verdict_of(const Surface& s) {
-  const auto d = diagnose(s, {}, {});
-  return d.ok() ? d.value().verdict : Verdict::bad_input;
-}
+using test::verdict_of;
 
 // A sphere of which one vertex is pulled through the far side, and some around it after it.
 Surface speck(double depth, double width) {

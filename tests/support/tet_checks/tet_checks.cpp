@@ -9,17 +9,13 @@
 #include <vector>
 
 #include "kernels/core/tet_tables.h"
+#include "kernels/core/triangles.h"
 #include "kernels/predicates/predicates.h"
 #include "kernels/tet_energy/tet_quality.h"
 
 namespace overtet::test {
 
 namespace {
-
-std::array<Index, 3> rotated(std::array<Index, 3> f) {
-  std::rotate(f.begin(), std::min_element(f.begin(), f.end()), f.end());
-  return f;
-}
 
 std::array<Index, 3> outer(const TetComplex::Tet& t, int k) { return rotated(tet_face(t, k)); }
 
@@ -31,7 +27,7 @@ FaceSet boundary_faces(const TetComplex& c) {
     if (c.alive(t))
       for (int k = 0; k < 4; ++k) all.insert(outer(c.tet(t), k));
   for (const auto& f : all)
-    if (!all.count(rotated({f[0], f[2], f[1]}))) boundary.insert(f);
+    if (!all.count(rotated(std::array<Index, 3>{f[0], f[2], f[1]}))) boundary.insert(f);
   return boundary;
 }
 

@@ -1,0 +1,27 @@
+// A text file from what a function writes. For the writers of this room.
+#pragma once
+
+#include <string>
+
+#include "src/io/file.h"
+
+namespace overtet::io_detail {
+
+// Opens the file (it has no name before commit()) and lets write(TextWriter&) fill it.
+template <class Write>
+Status fill(AtomicFile& file, const std::string& path, Write&& write) {
+  if (Status s = file.open(path); !s) return s;
+  TextWriter out(file);
+  write(out);
+  return out.finish();
+}
+
+// The same, and gives the file its name.
+template <class Write>
+Status write_file(const std::string& path, Write&& write) {
+  AtomicFile file;
+  if (Status s = fill(file, path, write); !s) return s;
+  return file.commit();
+}
+
+}  // namespace overtet::io_detail
