@@ -3,6 +3,8 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "kernels/core/assertions.h"
+#include "kernels/core/indices.h"
 #include "kernels/laplacian/laplacian.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
@@ -80,6 +82,7 @@ Eigen::Matrix3d best_rotation(const Eigen::Matrix3d& S_in) {
 }
 
 Arap::Arap(const VertexMatrix& W, const TriangleMatrix& F) : F_(F) {
+  OVERTET_EXPECTS(all_below(F, W.rows()));
   const Eigen::Index faces = F.rows(), vertices = W.rows();
   weight_ = half_cotangents(W, F);
   L_ = cotangent_laplacian(W, F);

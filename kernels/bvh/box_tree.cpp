@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "kernels/bvh/tuning.h"
+#include "kernels/core/assertions.h"
 #include "kernels/parallel/tuning.h"
 
 namespace overtet {
@@ -213,6 +214,10 @@ void BoxTree::build_from(Index n, const Fill& fill) {
       builder.record[i] = static_cast<Record>(i);
     }
     fill(item_.data() + begin, static_cast<Index>(end - begin), builder.box.data() + begin);
+    OVERTET_EXPECTS(
+        std::all_of(builder.box.begin() + begin, builder.box.begin() + end, [](const FloatBox& b) {
+          return b.low[0] <= b.high[0] && b.low[1] <= b.high[1] && b.low[2] <= b.high[2];
+        }));
   });
   nodes_.resize(1);
   builder.encode(0, n);

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "kernels/core/assertions.h"
+#include "kernels/core/indices.h"
+
 namespace overtet {
 
 namespace {
@@ -26,6 +29,7 @@ struct FaceBoxes {
 }  // namespace
 
 void TriangleBvh::build(const VertexMatrix& V, const TriangleMatrix& F) {
+  OVERTET_EXPECTS(V.allFinite() && all_below(F, V.rows()));
   BoxTree::build(static_cast<Index>(F.rows()), FaceBoxes{V.data(), F.data()});
 }
 

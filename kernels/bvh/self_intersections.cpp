@@ -5,6 +5,8 @@
 #include <limits>
 
 #include "kernels/bvh/tuning.h"
+#include "kernels/core/assertions.h"
+#include "kernels/core/indices.h"
 #include "kernels/parallel/counts.h"
 #include "kernels/parallel/grouping.h"
 #include "kernels/parallel/tuning.h"
@@ -165,6 +167,7 @@ std::vector<FacePair> find_self_intersections(const VertexMatrix& V, const Trian
 
 std::vector<FacePair> find_self_intersections(const VertexMatrix& V, const TriangleMatrix& F,
                                               TriangleBvh& bvh, const SelfIntersectionOptions& options) {
+  OVERTET_EXPECTS(all_finite(V) && all_below(F, V.rows()));
   if (!options.active.empty()) bvh.set_active(options.active);
   const double* points = V.data();
   const Index* faces = F.data();

@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "kernels/contact/tuning.h"
+#include "kernels/core/assertions.h"
+#include "kernels/core/indices.h"
 #include "kernels/parallel/counts.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
@@ -54,6 +56,7 @@ ContactMesh::ContactMesh(const VertexMatrix& X, const TriangleMatrix& F, const s
 ContactMesh::ContactMesh(const VertexMatrix& X, const TriangleMatrix& F, const std::vector<char>& free,
                          const VertexMatrix& rest, const Eigen::VectorXd& h, const ContactRule& rule)
     : F_(F), free_(free), rest_(rest), h_(h), full_h_(h), rule_(rule) {
+  OVERTET_EXPECTS(all_below(F, X.rows()) && X.allFinite() && rest.allFinite() && h.allFinite());
   const Index vertices = static_cast<Index>(X.rows()), faces = static_cast<Index>(F.rows());
   std::vector<std::pair<Index, Index>> edges;
   edges.reserve(6 * static_cast<std::size_t>(faces));
@@ -253,7 +256,13 @@ void ContactMesh::remember(const VertexMatrix& X) {
       });
 }
 
+void ContactMesh::set_mean_edges(const Eigen::VectorXd& h) {
+  OVERTET_EXPECTS(h.size() == full_h_.size() && (h.array() <= full_h_.array()).all());
+  h_ = h;
+}
+
 std::vector<Contact> ContactMesh::find_contacts(const VertexMatrix& X) {
+  OVERTET_EXPECTS(X.allFinite());
   if (!remembered(X)) remember(X);
   ++list_uses_;
   auto found = parallel_collect<Contact>(
@@ -273,6 +282,7 @@ std::vector<Contact> ContactMesh::find_contacts(const VertexMatrix& X) {
 }
 
 std::vector<IndexPair> ContactMesh::intersections(const VertexMatrix& X) {
+  OVERTET_EXPECTS(X.allFinite());
   const std::vector<IndexPair> pairs = candidates([&](Index f) { return box_of_face(X, F_, f); });
   std::vector<IndexPair> found =
       parallel_collect<IndexPair>(static_cast<std::int64_t>(pairs.size()), kMediumGrain,
@@ -288,6 +298,13 @@ std::vector<IndexPair> ContactMesh::intersections(const VertexMatrix& X) {
 }
 
 std::vector<ContactMesh::Hit> ContactMesh::check_step(const VertexMatrix& X, const VertexMatrix& P) {
+  OVERTET_EXPECTS(X.allFinite() && P.allFinite());
+  OVERTET_EXPECTS([&] {
+    for (Eigen::Index v = 0; v < P.rows(); ++v)
+      if (!free_[v] && !P.row(v).isZero(0)) return false;
+    return true;
+  }());
+  OVERTET_EXPECTS_COSTLY(intersections(X).empty());
   const VertexMatrix Y = X + P;
   const auto check_primitive = [&](PairKind kind, const std::array<Index, 4>& v, std::vector<Hit>& out) {
     if (!sweeps_overlap(kind, v, X, Y)) return;

@@ -59,7 +59,7 @@ class ContactMesh {
   ContactMesh(const VertexMatrix& X, const TriangleMatrix& F, const std::vector<char>& free);
 
   // Other lengths for find_contacts from now on. pre: none is larger than the constructor's.
-  void set_mean_edges(const Eigen::VectorXd& h) { h_ = h; }
+  void set_mean_edges(const Eigen::VectorXd& h);
 
   // Every pair closer than its dhat at X, each once. pre: X is finite.
   std::vector<Contact> find_contacts(const VertexMatrix& X);

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/core/assertions.h"
 #include "kernels/core/tet_tables.h"
+#include "kernels/core/triangles.h"
 #include "kernels/delaunay/delaunay.h"
 #include "kernels/predicates/predicates.h"
 
@@ -15,6 +17,9 @@ bool apart(const double* points, const std::array<Index, 4>& tet, const std::arr
     return v == tet[0] ? 0 : v == tet[1] ? 1 : v == tet[2] ? 2 : v == tet[3] ? 3 : -1;
   };
   const int shared[3] = {corner_of(triangle[0]), corner_of(triangle[1]), corner_of(triangle[2])};
+  OVERTET_EXPECTS(orient3d(at(tet[0]), at(tet[1]), at(tet[2]), at(tet[3])) > 0);
+  OVERTET_EXPECTS(!collinear(at(triangle[0]), at(triangle[1]), at(triangle[2])));
+  OVERTET_EXPECTS(shared[0] < 0 || shared[1] < 0 || shared[2] < 0);
   if (shared[0] < 0 && shared[1] < 0 && shared[2] < 0)
     for (int k = 0; k < 3; ++k) {
       const double x[4] = {at(tet[0])[k], at(tet[1])[k], at(tet[2])[k], at(tet[3])[k]};
@@ -86,13 +91,6 @@ namespace {
 
 using Face = CavityFiller::Face;
 
-// The face with its smallest number first: equal faces with equal direction become equal.
-Face turned(Face f) {
-  if (f[1] < f[0] && f[1] < f[2]) return {f[1], f[2], f[0]};
-  if (f[2] < f[0] && f[2] < f[1]) return {f[2], f[0], f[1]};
-  return f;
-}
-
 Face reversed(const Face& f) { return {f[0], f[2], f[1]}; }
 
 // Volume over the cubed mean length of edges, squared: larger is better.
@@ -121,7 +119,7 @@ bool CavityFiller::fill(const double* points, const std::vector<Face>& faces, in
   if (open_.empty()) open_.resize(1), candidates_.resize(1);
   open_[0].clear();
   for (const Face& f : faces) {
-    open_[0].push_back(turned(f));
+    open_[0].push_back(rotated(f));
     corners_.insert(corners_.end(), f.begin(), f.end());
   }
   std::sort(corners_.begin(), corners_.end());
@@ -152,12 +150,12 @@ bool CavityFiller::search(std::size_t depth) {
     const auto& open = open_[depth];
     auto& rest = open_[depth + 1];
     Face sides[4];
-    for (int k = 0; k < 4; ++k) sides[k] = turned(tet_face(tet, k));
+    for (int k = 0; k < 4; ++k) sides[k] = rotated(tet_face(tet, k));
     bool matched[4] = {}, taken[4] = {}, fits = true;
     rest.clear();
     std::size_t beside = 0;  // so many of the rest are faces of the tet, seen from the other side
     for (const Face& f : open) {
-      const Face back = turned(reversed(f));
+      const Face back = rotated(reversed(f));
       bool own = false, other = false;
       for (int k = 0; k < 4; ++k) {
         if (sides[k] == f) other = taken[k] = true;

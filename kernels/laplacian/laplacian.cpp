@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <deque>
 
+#include "kernels/core/assertions.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
 
@@ -142,6 +143,7 @@ class IntrinsicTriangulation {
     for (std::size_t i = 0; i < sides.size();) {
       std::size_t j = i;
       while (j < sides.size() && sides[j].first == sides[i].first) ++j;
+      OVERTET_EXPECTS(j - i <= 2);
       if (j - i == 2)
         twin_[sides[i].second] = sides[i + 1].second, twin_[sides[i + 1].second] = sides[i].second;
       i = j;

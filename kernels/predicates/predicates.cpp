@@ -1,6 +1,6 @@
 #include "kernels/predicates/predicates.h"
 
-#include <CGAL/Exact_rational.h>
+#include <gmpxx.h>
 
 #include <bit>
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace overtet {
 
 namespace {
 
-using Rational = CGAL::Exact_rational;
+using Rational = mpq_class;
 
 // A sum of doubles that do not overlap, smallest first, zeros left out (Shewchuk 1997).
 template <int Capacity>
@@ -116,11 +116,6 @@ bool safe(const Difference& d) {
   return true;
 }
 
-int sign_of(const Rational& x) {
-  const auto s = CGAL::sign(x);
-  return s == CGAL::ZERO ? 0 : s == CGAL::POSITIVE ? 1 : -1;
-}
-
 // Rational numbers of what is not finite end the program.
 bool finite(std::initializer_list<double> numbers) {
   return std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
@@ -133,9 +128,9 @@ int orient3d_rational(const double* a, const double* b, const double* c, const d
   const double* row[3] = {b, c, d};
   for (int i = 0; i < 3; ++i)
     for (int k = 0; k < 3; ++k) m[i][k] = Rational(row[i][k]) - Rational(a[k]);
-  return sign_of(m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) +
-                 m[0][1] * (m[1][2] * m[2][0] - m[1][0] * m[2][2]) +
-                 m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]));
+  return sgn(Rational(m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) +
+                      m[0][1] * (m[1][2] * m[2][0] - m[1][0] * m[2][2]) +
+                      m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])));
 }
 
 // The coordinates of some points along one axis as whole numbers below 2^60, scaled by a power of two. False
@@ -331,8 +326,8 @@ int orient2d_slow(double ax, double ay, double bx, double by, double cx, double 
   const Difference qx = difference(cx, ax), qy = difference(cy, ay);
   if (safe(px) && safe(py) && safe(qx) && safe(qy)) return add(multiply(px, qy), multiply(py, qx), -1).sign();
   if (!finite({ax, ay, bx, by, cx, cy})) return 0;
-  return sign_of((Rational(bx) - Rational(ax)) * (Rational(cy) - Rational(ay)) -
-                 (Rational(by) - Rational(ay)) * (Rational(cx) - Rational(ax)));
+  return sgn(Rational((Rational(bx) - Rational(ax)) * (Rational(cy) - Rational(ay)) -
+                      (Rational(by) - Rational(ay)) * (Rational(cx) - Rational(ax))));
 }
 
 }  // namespace predicates_detail

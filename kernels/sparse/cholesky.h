@@ -44,11 +44,12 @@ class SparseCholesky {
   // False: out of memory, or A is not square and compressed. A 0 x 0 matrix is fine.
   bool analyze(const SymmetricMatrix& A);
 
-  // pre: analyze was called with the same pattern. False: not positive definite, or not finite.
+  // False: not positive definite, not finite, or not of the size and number of entries that analyze saw. Then
+  // nothing can be solved. That the pattern is the same is for the caller to see to.
   bool factor(const SymmetricMatrix& A);
 
-  // X = A^-1 B. pre: factor returned true; B has A's number of rows. X may be B.
-  // False: out of memory.
+  // X = A^-1 B. X may be B. False: factor did not return true, B has another number of rows, or out of
+  // memory.
   bool solve(const VertexMatrix& B, VertexMatrix& X) const;
 
   // Entries of the factor after the last analysis (for reports and memory estimates).

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "kernels/core/assertions.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
 #include "kernels/predicates/predicates.h"
@@ -39,6 +40,7 @@ double min_dihedral_sine(const Vector3d& a, const Vector3d& b, const Vector3d& c
 
 void dihedral_sines(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& d,
                     DihedralSines& out) {
+  OVERTET_EXPECTS(a != b && a != c && a != d && b != c && b != d && c != d);
   const Vector3d ab = b - a, bc = c - b, ca = a - c, ad = d - a, bd = d - b, cd = d - c;
   const Vector3d nd = bc.cross(ca);  // of abc
   // Normals of the faces at d, and the gradient of the logarithm of their length.

@@ -13,12 +13,14 @@
 #include <string>
 
 #include "kernels/bvh/self_intersections.h"
+#include "kernels/core/assertions.h"
 #include "kernels/parallel/grouping.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/predicates/predicates.h"
 #include "src/arrangement/exact_triangulation.h"
 #include "src/arrangement/pieces.h"
 #include "src/arrangement/tolerant_cutter.h"
+#include "src/mesh/topology.h"
 
 namespace overtet {
 
@@ -615,6 +617,7 @@ class Arranger {
 
 Result<Arrangement> arrange(const Surface& surface, const std::vector<std::pair<Index, Index>>& pairs,
                             const ArrangeOptions& options, const RunContext& context) {
+  OVERTET_EXPECTS(degenerate_faces(surface).empty());
   if (options.tolerance > 0) return Arranger(surface).run_with_tolerance(options.tolerance, context);
   return Arranger(surface).run(pairs, context);
 }

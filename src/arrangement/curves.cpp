@@ -4,10 +4,12 @@
 #include <cmath>
 #include <numeric>
 
+#include "kernels/core/assertions.h"
 #include "kernels/parallel/parallel.h"
 #include "src/arrangement/intersection_graph.h"
 #include "src/exact/ordinary_size.h"
 #include "src/exact/wedges.h"
+#include "src/mesh/topology.h"
 
 namespace overtet {
 
@@ -449,6 +451,7 @@ Index Curves::triple_points() const {
 
 Result<Curves> trace_curves(const Surface& surface, const TriangleBvh& bvh, IntersectionGraph& graph,
                             const RunContext& context) {
+  OVERTET_EXPECTS(degenerate_faces(surface).empty());
   const OrdinarySize sized(surface, bvh);
   Result<Curves> curves = Tracer(sized.surface(), sized.bvh(), graph, context).run();
   if (curves.ok() && sized.scaled()) {

@@ -11,7 +11,7 @@
 #include "overtet/run_context.h"
 #include "overtet/types.h"
 #include "src/arrangement/intersection_graph.h"
-#include "src/exact/exact.h"
+#include "src/exact/rays.h"
 #include "src/mesh/topology.h"
 
 namespace overtet {

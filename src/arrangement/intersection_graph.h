@@ -20,7 +20,7 @@
 #include "kernels/bvh/self_intersections.h"
 #include "overtet/run_context.h"
 #include "overtet/types.h"
-#include "src/exact/exact.h"
+#include "src/exact/rays.h"
 #include "src/mesh/topology.h"
 
 namespace overtet {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "kernels/core/assertions.h"
 #include "kernels/core/tet_tables.h"
 #include "kernels/delaunay/cavity.h"
 #include "kernels/parallel/grouping.h"
@@ -13,12 +14,8 @@ namespace overtet {
 // Tets or facets that one thread takes at a time.
 constexpr std::int64_t kLightGrain = 1 << 13;
 
-Triple sorted(Triple t) {
-  std::sort(t.begin(), t.end());
-  return t;
-}
-
 bool same_turn(const Triple& a, const Triple& b) {
+  OVERTET_EXPECTS(sorted(a) == sorted(b));
   const int at = b[0] == a[0] ? 0 : b[1] == a[0] ? 1 : 2;
   return b[(at + 1) % 3] == a[1];
 }

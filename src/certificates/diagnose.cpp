@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "kernels/parallel/parallel.h"
-#include "src/exact/exact.h"
 #include "src/exact/ordinary_size.h"
+#include "src/exact/rational.h"
 #include "src/run/stopwatch.h"
 
 namespace overtet {

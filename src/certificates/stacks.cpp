@@ -6,8 +6,10 @@
 #include <set>
 #include <utility>
 
+#include "kernels/core/assertions.h"
 #include "kernels/predicates/predicates.h"
-#include "src/exact/exact.h"
+#include "src/exact/rays.h"
+#include "src/mesh/topology.h"
 
 namespace overtet {
 
@@ -183,6 +185,8 @@ class StackSearch {
 Result<std::optional<StackCertificate>> find_stack_certificate(const Surface& surface, const TriangleBvh& bvh,
                                                                const std::vector<FacePair>& pairs,
                                                                const RunContext& context) {
+  OVERTET_EXPECTS(degenerate_faces(surface).empty());
+  OVERTET_EXPECTS(std::is_sorted(pairs.begin(), pairs.end()));
   StackSearch search(surface, bvh);
   std::int64_t looked = 0;
   for (const FacePair& pair : pairs) {

@@ -5,10 +5,12 @@
 #include <map>
 #include <mutex>
 
+#include "kernels/core/assertions.h"
 #include "kernels/predicates/predicates.h"
 #include "src/arrangement/intersection_graph.h"
 #include "src/exact/in_plane.h"
 #include "src/exact/wedges.h"
+#include "src/mesh/topology.h"
 
 namespace overtet {
 
@@ -238,6 +240,7 @@ std::optional<WindingCertificate> make_witness(const Rays& rays, const Wedge& we
 Result<WindingRange> find_winding_range(const Surface& surface, const SurfaceTopology& topology,
                                         const TriangleBvh& bvh, IntersectionGraph& graph,
                                         const RunContext& context, const WindingRangeOptions& options) {
+  OVERTET_EXPECTS(degenerate_faces(surface).empty());
   const Rays rays(surface.V, surface.F, bvh);
   const std::vector<FacePair>& pairs = graph.pairs();
   const PairStudy study(rays, graph);

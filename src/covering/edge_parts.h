@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "overtet/types.h"
-#include "src/exact/exact.h"
+#include "src/exact/rays.h"
 #include "src/mesh/topology.h"
 
 namespace overtet {

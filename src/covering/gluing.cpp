@@ -7,12 +7,13 @@
 #include <set>
 #include <tuple>
 
+#include "kernels/core/assertions.h"
 #include "kernels/core/union_find.h"
 #include "src/arrangement/face_cuts.h"
 #include "src/covering/gluing_search.h"
-#include "src/exact/exact.h"
 #include "src/exact/ordinary_size.h"
 #include "src/exact/wedges.h"
+#include "src/mesh/topology.h"
 
 namespace overtet {
 
@@ -497,6 +498,7 @@ class Checker {
 Result<GluingAnswer> check_gluing(const Surface& surface, const SurfaceTopology& topology,
                                   const TriangleBvh& bvh, IntersectionGraph& graph,
                                   const RunContext& context) {
+  OVERTET_EXPECTS(degenerate_faces(surface).empty());
   const OrdinarySize sized(surface, bvh);
   Result<GluingAnswer> answer = Checker(sized.surface(), topology, sized.bvh(), graph, context).run();
   if (answer.ok() && sized.scaled())

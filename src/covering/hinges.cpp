@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "kernels/predicates/predicates.h"
-#include "src/exact/exact.h"
+#include "src/exact/rays.h"
 
 namespace overtet {
 

@@ -10,7 +10,7 @@
 #include "kernels/core/union_find.h"
 #include "kernels/predicates/predicates.h"
 #include "src/covering/gluing_search.h"
-#include "src/exact/exact.h"
+#include "src/exact/rational.h"
 
 namespace overtet {
 

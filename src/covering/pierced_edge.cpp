@@ -8,7 +8,7 @@
 
 #include "kernels/predicates/predicates.h"
 #include "src/covering/edge_parts.h"
-#include "src/exact/exact.h"
+#include "src/exact/rays.h"
 
 namespace overtet {
 

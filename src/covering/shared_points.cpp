@@ -12,7 +12,7 @@
 #include "src/covering/edge_parts.h"
 #include "src/covering/link.h"
 #include "src/covering/pierced_edge.h"
-#include "src/exact/exact.h"
+#include "src/exact/rays.h"
 
 namespace overtet {
 

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "src/exact/exact.h"
+#include "src/exact/rays.h"
 
 namespace overtet::exact {
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "src/exact/exact.h"
+#include "src/exact/rays.h"
 
 namespace overtet {
 

@@ -1,6 +1,7 @@
 #include "src/exact/winding.h"
 
-#include "src/exact/exact.h"
+#include "kernels/core/assertions.h"
+#include "src/exact/rays.h"
 
 namespace overtet {
 
@@ -8,7 +9,9 @@ struct WindingNumber::Impl {
   std::unique_ptr<TriangleBvh> own;
   exact::Rays rays;
   Impl(const Surface& s, std::unique_ptr<TriangleBvh> tree) : own(std::move(tree)), rays(s.V, s.F, *own) {}
-  Impl(const Surface& s, const TriangleBvh& bvh) : rays(s.V, s.F, bvh) {}
+  Impl(const Surface& s, const TriangleBvh& bvh) : rays(s.V, s.F, bvh) {
+    OVERTET_EXPECTS(s.V.allFinite() && bvh.faces() == s.F.rows());
+  }
 };
 
 WindingNumber::WindingNumber(const Surface& surface)

@@ -11,12 +11,15 @@
 
 #include "kernels/bvh/self_intersections.h"
 #include "kernels/contact/contact.h"
+#include "kernels/core/assertions.h"
+#include "kernels/core/indices.h"
 #include "kernels/core/union_find.h"
 #include "kernels/laplacian/laplacian.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/predicates/predicates.h"
 #include "kernels/sparse/cholesky.h"
 #include "src/forward_flow/tuning.h"
+#include "src/mesh/topology.h"
 
 namespace overtet {
 
@@ -647,11 +650,12 @@ Result<ForwardFlowResult> forward_flow(const Surface& surface, std::span<const s
                                        const ForwardFlowOptions& options, const RunContext& context) {
   if (const Status valid = options.validate(); !valid) return valid.error();
   const Index faces = static_cast<Index>(surface.F.rows());
-  if (faces == 0 || surface.F.minCoeff() < 0 || surface.F.maxCoeff() >= surface.V.rows())
+  if (faces == 0 || !all_below(surface.F, surface.V.rows()))
     return Error{ErrorCode::bad_input,
                  "The surface has no faces, or a face names a vertex that does not exist."};
   if (!surface.V.allFinite())
     return Error{ErrorCode::bad_input, "The surface has a coordinate that is not finite."};
+  OVERTET_EXPECTS(require_topology(surface));
   const ScopedThreads threads(context.threads);
   const double area = surface_area(surface.V, surface.F);
   if (!(area > 0) || !std::isfinite(area)) return Error{ErrorCode::bad_input, "The surface has no area."};
@@ -662,7 +666,9 @@ Result<ForwardFlowResult> forward_flow(const Surface& surface, std::span<const s
     list.push_back({std::min(f, g), std::max(f, g)});
   }
   std::sort(list.begin(), list.end());
-  return Flow(surface, options, context, list).run();
+  Result<ForwardFlowResult> result = Flow(surface, options, context, list).run();
+  OVERTET_ENSURES(!result ? success() : check_postconditions(surface, result.value()));
+  return result;
 }
 
 Status check_postconditions(const Surface& surface, const ForwardFlowResult& result) {

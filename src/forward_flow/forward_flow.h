@@ -123,7 +123,8 @@ struct ForwardFlowResult {
 Result<ForwardFlowResult> forward_flow(const Surface& surface, std::span<const std::array<Index, 2>> pairs,
                                        const ForwardFlowOptions& options, const RunContext& context);
 
-// What a caller may rely on, checked from scratch (one full exact intersection test).
+// What a caller may rely on, checked from scratch (one full exact intersection test). Where assertions are
+// on, forward_flow() does so itself.
 Status check_postconditions(const Surface& surface, const ForwardFlowResult& result);
 
 }  // namespace overtet

@@ -9,6 +9,7 @@
 #include <set>
 #include <tuple>
 
+#include "kernels/core/assertions.h"
 #include "kernels/parallel/grouping.h"
 #include "src/immersion/cells.h"
 #include "src/immersion/sheet_search.h"
@@ -568,6 +569,9 @@ int Sheets::across(Index facet, bool from_front, int copy) const {
 
 Result<Sheets> assign_sheets(const Surface& surface, const Arrangement& arrangement, const TetgenResult& tets,
                              std::span<const WoundEdge> wound, const RunContext& context) {
+  OVERTET_EXPECTS(tets.facet_markers.size() == static_cast<std::size_t>(tets.facets.rows()));
+  OVERTET_EXPECTS(std::all_of(tets.facet_markers.begin(), tets.facet_markers.end(),
+                              [&](Index m) { return 1 <= m && m <= arrangement.F.rows(); }));
   return Assigner(surface, arrangement, tets, wound, context).run();
 }
 

@@ -6,6 +6,7 @@
 #include <functional>
 #include <numeric>
 
+#include "kernels/core/assertions.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
 #include "src/improve/passes.h"
@@ -398,6 +399,7 @@ Status ImproveOptions::validate() const {
 
 Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, const RunContext& context) {
   if (auto status = options.validate(); !status.ok()) return status.error();
+  OVERTET_EXPECTS(first_not_positive(mesh) < 0);
   if (auto error = context.stop()) return *error;
   return Improver(mesh, options, context).run();
 }

@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "kernels/core/assertions.h"
 #include "overtet/result.h"
 
 namespace overtet {
@@ -78,6 +79,7 @@ class TextCursor {
 
   // pre: !at_line_end(). A token ends at a blank, a line end or a comment.
   std::string_view token() {
+    OVERTET_EXPECTS(p_ != end_ && *p_ != '\n');
     const char* begin = p_;
     while (p_ != end_ && static_cast<unsigned char>(*p_) > ' ' && !(comments_ && *p_ == '#')) ++p_;
     if (p_ == begin) ++p_;  // a control character stands for itself

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/core/assertions.h"
 #include "kernels/core/tet_tables.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
@@ -27,6 +28,7 @@ LocalOperations::LocalOperations(TetComplex& mesh) : mesh_(mesh) {
   });
   for (Index t = 0; t < mesh.tet_capacity(); ++t) {
     if (!mesh.alive(t)) continue;
+    OVERTET_EXPECTS(quality_[t] > 0);
     const auto& c = mesh.tet(t);
     for (int k = 0; k < 4; ++k)
       if (mesh.neighbour(t, k) < 0)
@@ -115,6 +117,7 @@ bool LocalOperations::commit(const Tets& removed) {
   tet_mark_.resize(mesh_.tet_capacity(), 0);
   if (!spheres_.empty()) spheres_.resize(mesh_.tet_capacity());
   refresh(changed_);
+  OVERTET_EXPECTS(worst(changed_) > 0);
   return true;
 }
 

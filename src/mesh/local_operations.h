@@ -152,7 +152,7 @@ class LocalOperations {
   // pre: every added tet is positive.
   bool commit(const Tets& removed);
   Index new_vertex(const Eigen::Vector3d& p);
-  // Tets from the faces to a new vertex; pre: it sees their inner sides.
+  // Tets from the faces to a new vertex. pre: it sees their inner sides (commit() would find out).
   bool star_of_new_vertex(const std::vector<Face>& faces, const Eigen::Vector3d& p, const Tets& removed);
   bool respects_shared(const Tets& removed) const;
   // What is known about tets that have changed.

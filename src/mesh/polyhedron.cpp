@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "kernels/core/assertions.h"
 #include "kernels/tet_energy/tet_quality.h"
 
 namespace overtet {
@@ -90,7 +91,13 @@ void Polyhedron::close(int at) {
   open_.pop_back();
 }
 
+void Polyhedron::bar_edge(int i, int j) {
+  OVERTET_EXPECTS(0 <= i && i < count_ && 0 <= j && j < count_);
+  barred_[i] |= 1u << j, barred_[j] |= 1u << i;
+}
+
 void Polyhedron::bar_face(int i, int j, int k) {
+  OVERTET_EXPECTS(0 <= i && i < count_ && 0 <= j && j < count_ && 0 <= k && k < count_);
   State& s = state_[triple(i, j, k)];
   if (s == State::unused) s = State::barred;
 }

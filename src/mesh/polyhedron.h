@@ -28,7 +28,7 @@ class Polyhedron {
   int add_point(const Eigen::Vector3d& p);  // its number; corners of faces get tets, others may
   void add_face(const Face& f);
   // No tet gets these. pre: the points and faces are there.
-  void bar_edge(int i, int j) { barred_[i] |= 1u << j, barred_[j] |= 1u << i; }
+  void bar_edge(int i, int j);
   void bar_face(int i, int j, int k);
 
   int points() const { return count_; }

@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <bit>
-#include <cassert>
 #include <tuple>
 
+#include "kernels/core/assertions.h"
 #include "kernels/core/tet_tables.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
+#include "kernels/predicates/predicates.h"
 
 namespace overtet {
 
@@ -98,6 +99,7 @@ TetComplex::TetComplex(const VertexMatrix& V, const TetMatrix& T) {
       });
       for (auto f = first; f != last; ++f)
         if (f + 1 != last && same(*f, *(f + 1))) {
+          OVERTET_EXPECTS(f + 2 == last || !same(*f, *(f + 2)));
           next_[f->t][f->k] = (f + 1)->t;
           next_[(f + 1)->t][(f + 1)->k] = f->t;
           ++f;
@@ -175,6 +177,7 @@ Index TetComplex::tet_with_face(Index a, Index b, Index c) const {
 bool TetComplex::has_edge(Index a, Index b) const { return a != b && tet_with_edge(a, b) >= 0; }
 
 void TetComplex::ring(Index t, Index a, Index b, std::vector<Index>& tets, std::vector<Index>& link) const {
+  OVERTET_EXPECTS(alive(t) && a != b && tet_[t][corner(t, a)] == a && tet_[t][corner(t, b)] == b);
   tets.clear();
   link.clear();
   // Backwards first (across the face a, b, link[i + 1]'s opposite number) until the boundary or round.
@@ -332,6 +335,14 @@ void TetComplex::replace(std::span<const Index> removed, std::span<const Tet> ad
     next_[f.t][f.k] = g.t;
     next_[g.t][g.k] = f.t;
   }
+  OVERTET_EXPECTS_COSTLY(every_vertex_has_its_tet());
+}
+
+bool TetComplex::every_vertex_has_its_tet() const {
+  for (Index t = 0; t < tet_capacity(); ++t)
+    for (int k = 0; alive(t) && k < 4; ++k)
+      if (vertex_tet_[tet_[t][k]] < 0) return false;
+  return true;
 }
 
 void TetComplex::compact(Index keep_vertices) {
@@ -370,7 +381,15 @@ void TetComplex::compact(Index keep_vertices) {
   free_.clear();
 }
 
+Index first_not_positive(const TetMesh& mesh) {
+  const auto at = [&](Index t, int k) { return mesh.V.data() + 3 * std::int64_t{mesh.T(t, k)}; };
+  for (Index t = 0; t < mesh.T.rows(); ++t)
+    if (orient3d(at(t, 0), at(t, 1), at(t, 2), at(t, 3)) <= 0) return t;
+  return -1;
+}
+
 TetMesh TetComplex::to_mesh(Index surface_vertices) const {
+  OVERTET_EXPECTS(live_ == tet_capacity());
   TetMesh mesh;
   mesh.surface_vertices = surface_vertices;
   mesh.V.resize(vertex_count(), 3);

@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "kernels/core/assertions.h"
 #include "overtet/types.h"
 
 namespace overtet {
@@ -66,6 +67,7 @@ class TetComplex {
   // The corner of t that is v. pre: it has it.
   int corner(Index t, Index v) const {
     const Tet& c = tet_[t];
+    OVERTET_EXPECTS(c[0] == v || c[1] == v || c[2] == v || c[3] == v);
     return c[0] == v ? 0 : c[1] == v ? 1 : c[2] == v ? 2 : 3;
   }
 
@@ -96,11 +98,15 @@ class TetComplex {
   Face face(Index t, int k) const;
   void take(const VertexMatrix& V, const TetMatrix& T);  // all but the neighbours
   void next_mark() const;
+  bool every_vertex_has_its_tet() const;
   mutable std::vector<std::uint32_t> mark_;  // per tet; equal to stamp_: seen in this call
   mutable std::uint32_t stamp_ = 0;
   mutable std::vector<Index> scratch_;
   std::vector<Face> outer_, inner_;  // of replace()
   std::vector<Index> slots_;
 };
+
+// The first tet that is not exactly positive, or -1.
+Index first_not_positive(const TetMesh& mesh);
 
 }  // namespace overtet

@@ -4,29 +4,19 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/core/assertions.h"
 #include "kernels/predicates/predicates.h"
 #include "src/covering/pierced_edge.h"
 #include "src/exact/ordinary_size.h"
+#include "src/mesh/flat_faces.h"
 
 namespace overtet {
 
 namespace {
 
-// Faces whose height is within the rounding of their own coordinates. They may have an area in exact
-// arithmetic, of either sign; nobody can have meant it, and no tet of any use stands on them.
-std::vector<Index> flat_up_to_rounding(const Surface& s) {
-  constexpr double kUlps = 4 * 0x1p-53;
-  std::vector<Index> flat;
-  for (Index f = 0; f < s.F.rows(); ++f) {
-    const Eigen::Vector3d a = s.V.row(s.F(f, 0)), b = s.V.row(s.F(f, 1)), c = s.V.row(s.F(f, 2));
-    const double longest =
-        std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
-    const double reach =
-        std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff()});
-    if ((b - a).cross(c - a).norm() <= kUlps * reach * longest) flat.push_back(f);
-  }
-  return flat;
-}
+// A height over the coordinates of its corners that is within their rounding. Such faces may have an area in
+// exact arithmetic, of either sign; nobody can have meant it, and no tet of any use stands on them.
+constexpr double kRoundedHeight = 4 * 0x1p-53;
 
 // pre: the first face has an area.
 bool lies_in_a_plane(const Surface& s) {
@@ -44,7 +34,7 @@ std::optional<Error> wrong_shape(const Surface& s, UnitBox& box) {
   Result<UnitBox> fits = into_unit_box(V);
   if (!fits) return fits.error();
   box = fits.value();
-  if (const std::vector<Index> flat = flat_up_to_rounding({V, s.F}); !flat.empty())
+  if (const std::vector<Index> flat = flat_faces({V, s.F}, kRoundedHeight); !flat.empty())
     return bad_input(
         "Face " + std::to_string(flat[0]) +
         (flat.size() > 1 ? " (and " + std::to_string(flat.size() - 1) + " more)" : std::string()) +
@@ -90,6 +80,7 @@ Status look_for_conflict(const Surface& surface, Inspection& r, const RunContext
 }
 
 Result<CloseLook> look_closely(const Surface& surface, const Inspection& r, const RunContext& context) {
+  OVERTET_EXPECTS(r.usable());
   const Diagnosis& d = r.diagnosis;
   const SurfaceTopology& topology = d.topology.topology;
   const OrdinarySize sized(surface, *d.bvh);

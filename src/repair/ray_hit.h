@@ -1,4 +1,4 @@
-// Where a ray meets a triangle, in doubles [Möller and Trumbore 1997]: for choosing where to move, not for
+// Where a ray meets a triangle, in doubles [Moeller and Trumbore 1997]: for choosing where to move, not for
 // deciding anything.
 #pragma once
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "kernels/core/assertions.h"
+
 namespace overtet {
 
 namespace {
@@ -21,6 +23,11 @@ class Shrinking {
         context_(context) {}
 
   Result<Index> run() {
+    OVERTET_EXPECTS_COSTLY([&] {
+      const auto found =
+          find_offences({clusters_.compose(base_), input_.F}, rings_, diagonal_, PokingOut::pairs, context_);
+      return !found || found.value().offences.empty();
+    }());
     good_ = all_;
     if (Status s = bisect(); !s) return s.error();
     all_ = good_;

@@ -9,6 +9,8 @@
 #include "kernels/arap/arap.h"
 #include "kernels/bvh/self_intersections.h"
 #include "kernels/contact/contact.h"
+#include "kernels/core/assertions.h"
+#include "kernels/core/indices.h"
 #include "kernels/laplacian/laplacian.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/sparse/cholesky.h"
@@ -512,8 +514,7 @@ Result<ReverseFlowResult> reverse_flow(const Surface& surface, const VertexMatri
   const std::size_t n = static_cast<std::size_t>(surface.V.rows());
   if (start.rows() != surface.V.rows() || free.size() != n)
     return bad("the start has another number of vertices.");
-  if (surface.F.size() > 0 && (surface.F.minCoeff() < 0 || surface.F.maxCoeff() >= surface.V.rows()))
-    return bad("a face names a vertex that does not exist.");
+  if (!all_below(surface.F, surface.V.rows())) return bad("a face names a vertex that does not exist.");
   if (!start.allFinite() || !surface.V.allFinite()) return bad("a coordinate is not finite.");
   for (const VertexMatrix& W : stages)
     if (W.rows() != surface.V.rows() || !W.allFinite()) return bad("a stored state is broken.");
@@ -565,6 +566,7 @@ Result<ReverseFlowResult> reverse_flow(const Surface& surface, const VertexMatri
     const double rest = double_area(surface.V);
     if (rest > 0) result.worst_face = std::min(result.worst_face, double_area(result.U0) / rest);
   }
+  OVERTET_ENSURES(check_postconditions(surface, free, result));
   return result;
 }
 

@@ -5,9 +5,12 @@
 #include <cstring>
 #include <vector>
 
+#include "kernels/core/assertions.h"
+#include "kernels/core/triangles.h"
 #include "kernels/predicates/predicates.h"
 #include "src/mesh/local_operations.h"
 #include "src/mesh/tet_complex.h"
+#include "src/mesh/topology.h"
 
 namespace overtet {
 
@@ -96,12 +99,6 @@ Status pre_split(TetComplex& mesh, TetMeshResult& result, const RunContext& cont
   return success();
 }
 
-std::array<Index, 3> rotated(Index a, Index b, Index c) {
-  std::array<Index, 3> f{a, b, c};
-  std::rotate(f.begin(), std::min_element(f.begin(), f.end()), f.end());
-  return f;
-}
-
 }  // namespace
 
 Status TetMeshOptions::validate() const {
@@ -114,6 +111,7 @@ Status TetMeshOptions::validate() const {
 Result<TetMeshResult> tet_mesh(const Surface& embedded, const TetMeshOptions& options,
                                const RunContext& context) {
   if (auto status = options.validate(); !status.ok()) return status.error();
+  OVERTET_EXPECTS(require_topology(embedded));
   const auto begin = RunContext::Clock::now();
   TetgenOptions tetgen;
   tetgen.quality = options.quality;
@@ -138,6 +136,7 @@ Result<TetMeshResult> tet_mesh(const Surface& embedded, const TetMeshOptions& op
   mesh.compact(n);
   result.mesh = mesh.to_mesh(n);
   result.seconds = std::chrono::duration<double>(RunContext::Clock::now() - begin).count();
+  OVERTET_ENSURES(check_postconditions(result, embedded, options));
   return result;
 }
 
@@ -150,15 +149,13 @@ Status check_postconditions(const TetMeshResult& result, const Surface& embedded
   if (m.surface_vertices != embedded.V.rows() || m.V.rows() < embedded.V.rows() ||
       std::memcmp(m.V.data(), embedded.V.data(), sizeof(double) * embedded.V.size()) != 0)
     return broken("a surface vertex moved");
-  for (Eigen::Index t = 0; t < m.T.rows(); ++t) {
-    const auto p = [&](int k) { return m.V.data() + 3 * m.T(t, k); };
-    if (orient3d(p(0), p(1), p(2), p(3)) <= 0) return broken("tet " + std::to_string(t) + " is not positive");
-  }
+  if (const Index t = first_not_positive(m); t >= 0)
+    return broken("tet " + std::to_string(t) + " is not positive");
   const TetComplex mesh(m.V, m.T);
   std::vector<std::array<Index, 3>> want, have;
   for (Eigen::Index f = 0; f < embedded.F.rows(); ++f)
-    want.push_back(rotated(embedded.F(f, 0), embedded.F(f, 1), embedded.F(f, 2)));
-  for (const auto& f : mesh.boundary()) have.push_back(rotated(f[0], f[1], f[2]));
+    want.push_back(rotated(std::array<Index, 3>{embedded.F(f, 0), embedded.F(f, 1), embedded.F(f, 2)}));
+  for (const auto& f : mesh.boundary()) have.push_back(rotated(f));
   std::sort(want.begin(), want.end());
   std::sort(have.begin(), have.end());
   if (want != have) return broken("its boundary is not the surface");

@@ -33,7 +33,7 @@ struct TetMeshResult {
 Result<TetMeshResult> tet_mesh(const Surface& embedded, const TetMeshOptions& options,
                                const RunContext& context);
 
-// The guarantees above, checked exactly; for tests and --check.
+// The guarantees above, checked exactly; where assertions are on, tet_mesh() does so itself.
 Status check_postconditions(const TetMeshResult& result, const Surface& embedded,
                             const TetMeshOptions& options);
 

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <vector>
 
+#include "kernels/core/assertions.h"
+#include "kernels/core/indices.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
 #include "overtet/verification.h"
@@ -48,6 +50,7 @@ float nth_smallest(const std::vector<float>& values, std::size_t nth) {
 }  // namespace
 
 TetQuality tet_quality(const TetMesh& mesh, const RunContext& context) {
+  OVERTET_EXPECTS(all_below(mesh.T, mesh.V.rows()));
   const ScopedThreads threads(context.threads > 0 ? context.threads : thread_cap());
   TetQuality q;
   q.tets = mesh.T.rows();

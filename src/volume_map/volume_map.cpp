@@ -6,6 +6,7 @@
 #include <cstring>
 #include <map>
 
+#include "kernels/core/assertions.h"
 #include "kernels/core/tet_tables.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/predicates/predicates.h"
@@ -526,7 +527,9 @@ Result<VolumeMapResult> volume_map(const TetMesh& mesh, const VertexMatrix& targ
   if (auto status = options.validate(); !status.ok()) return status.error();
   if (target.rows() != mesh.surface_vertices)
     return Error{ErrorCode::usage, "The volume map needs one target for each surface vertex."};
-  return Mapper(mesh, target, wound, options, context).run();
+  Result<VolumeMapResult> result = Mapper(mesh, target, wound, options, context).run();
+  OVERTET_ENSURES(!result ? success() : check_postconditions(result.value(), target));
+  return result;
 }
 
 Status check_postconditions(const VolumeMapResult& result, const VertexMatrix& target) {
@@ -534,15 +537,17 @@ Status check_postconditions(const VolumeMapResult& result, const VertexMatrix& t
     return Error{ErrorCode::internal, "The volume map's result is wrong: " + what + "."};
   };
   const TetMesh& m = result.mesh;
-  if (m.V.rows() < target.rows() ||
-      std::memcmp(m.V.data(), target.data(), sizeof(double) * target.size()) != 0)
-    return broken("a boundary vertex is not at its place");
+  if (m.V.rows() < target.rows()) return broken("boundary vertices are missing");
+  for (Index v = 0; v < target.rows(); ++v)
+    if (std::memcmp(m.V.row(v).data(), target.row(v).data(), 3 * sizeof(double)) != 0 &&
+        !std::binary_search(result.away.begin(), result.away.end(), v))
+      return broken("a boundary vertex is not at its place");
+  if (const Index t = first_not_positive(m); t >= 0)
+    return broken("tet " + std::to_string(t) + " is not positive");
   const TetComplex mesh(m.V, m.T);
   std::map<std::array<Index, 2>, double> turn;
   for (Index t = 0; t < mesh.tet_capacity(); ++t) {
     const auto& c = mesh.tet(t);
-    const auto p = [&](int k) { return mesh.position(c[k]).data(); };
-    if (orient3d(p(0), p(1), p(2), p(3)) <= 0) return broken("tet " + std::to_string(t) + " is not positive");
     const auto angle =
         dihedral_angles(mesh.position(c[0]), mesh.position(c[1]), mesh.position(c[2]), mesh.position(c[3]));
     for (int e = 0; e < 6; ++e)

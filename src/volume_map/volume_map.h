@@ -94,7 +94,8 @@ Result<VolumeMapResult> volume_map(const TetMesh& mesh, const VertexMatrix& targ
                                    std::span<const WoundEdge> wound, const VolumeMapOptions& options,
                                    const RunContext& context);
 
-// Boundary at V0, exactly positive, one turn around every interior edge.
+// Boundary at V0 (all but `away`), exactly positive, one turn around every interior edge. Where assertions
+// are on, volume_map() checks it itself.
 Status check_postconditions(const VolumeMapResult& result, const VertexMatrix& target);
 
 }  // namespace overtet

@@ -10,8 +10,8 @@
 #include "src/certificates/separated.h"
 #include "src/certificates/stacks.h"
 #include "src/covering/gluing.h"
-#include "src/exact/exact.h"
 #include "src/exact/ordinary_size.h"
+#include "src/exact/rays.h"
 #include "src/exact/winding.h"
 #include "tests/support/models.h"
 

@@ -1,4 +1,4 @@
-#include "src/exact/exact.h"
+#include "src/exact/rays.h"
 
 #include <gtest/gtest.h>
 
