@@ -446,7 +446,8 @@ std::optional<Error> DelaunayFirst::check_rows(const Piece& piece) {
     const Index source = r.facet_sources[static_cast<std::size_t>(i)];
     const Row& row = piece.rows[source];
     ++parts[source];
-    if (row.wall >= 0 && sorted({r.facets(i, 0), r.facets(i, 1), r.facets(i, 2)}) != piece.local(row.key))
+    if (row.wall >= 0 &&
+        sorted(std::array<Index, 3>{r.facets(i, 0), r.facets(i, 1), r.facets(i, 2)}) != piece.local(row.key))
       return unsolved("TetGen split a face that must stay.");
   }
   if (std::find(parts.begin(), parts.end(), 0) != parts.end()) return unsolved("TetGen lost a face.");

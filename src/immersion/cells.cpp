@@ -17,8 +17,6 @@ namespace {
 
 using Triple = std::array<Index, 3>;
 
-// The face opposite to corner k of a positive tet, oriented outward.
-
 constexpr std::int64_t kTetGrain = 1 << 14;
 
 // Finds triangles by their three vertices; open addressing, insertion order does not matter.
