@@ -16,40 +16,23 @@
 #include "kernels/core/assertions.h"
 #include "kernels/parallel/grouping.h"
 #include "kernels/parallel/parallel.h"
+#include "kernels/parallel/tuning.h"
 #include "kernels/predicates/predicates.h"
 #include "src/arrangement/exact_triangulation.h"
 #include "src/arrangement/pieces.h"
 #include "src/arrangement/tolerant_cutter.h"
+#include "src/arrangement/tuning.h"
 #include "src/mesh/topology.h"
 
 namespace overtet {
 
 namespace {
 
-// Rounding new points to doubles can make pieces cross that did not, where exact points are closer than
-// doubles can tell; faces that nearly coincide amplify that by the inverse of the angle between them. Then
-// the pieces are cut again, and added points closer than a distance become one (iterated snap rounding). If
-// that does not end in some rounds, the distance grows.
-constexpr int kDistances[] = {-44, -38, -32, -26};  // powers of two, relative to the largest coordinate
-constexpr int kRoundsPerDistance = 6;
-
-// Points nearer to an edge than this, relative to the largest coordinate, lie on it but for rounding.
-constexpr double kOnEdge = 0x1p-40;
-
-// More crossings than this many times those of the input: rounds make them instead of ending them.
-constexpr std::size_t kMostGrowth = 4;
-constexpr int kMostRounds = kRoundsPerDistance * static_cast<int>(std::size(kDistances));
-
 using exact::Kernel;
 using exact::Point2;
 using exact::Scalar;
 using exact::Triangulation;
 using Point3 = Kernel::Point_3;
-
-// Pairs and faces that a thread takes at once. CGAL's exact numbers may be shared between threads.
-constexpr std::int64_t kPairs = 64;
-constexpr std::int64_t kFaces = 32;
-constexpr std::int64_t kKeys = 4096;  // pieces and points
 
 // Numbers exact points: equal points get equal numbers, whichever faces they were computed from.
 class PointTable {
@@ -96,10 +79,12 @@ class Cutter {
 
   std::optional<Error> run(const std::vector<FacePair>& pairs, const RunContext& context) {
     std::vector<Meeting> meetings(pairs.size());
-    parallel_for(static_cast<std::int64_t>(pairs.size()), kPairs, [&](std::int64_t begin, std::int64_t end) {
-      if (context.stop()) return;
-      for (std::int64_t i = begin; i < end; ++i) meetings[i] = meeting(pairs[i].first, pairs[i].second);
-    });
+    parallel_for(static_cast<std::int64_t>(pairs.size()), kHeavyGrain,
+                 [&](std::int64_t begin, std::int64_t end) {
+                   if (context.stop()) return;
+                   for (std::int64_t i = begin; i < end; ++i)
+                     meetings[i] = meeting(pairs[i].first, pairs[i].second);
+                 });
     if (auto stop = context.stop()) return stop;
     // All corners before all cuts, so that a cut through a corner gets that corner's number.
     for (const auto& [f, g] : pairs) enter_corners(f), enter_corners(g);
@@ -109,10 +94,12 @@ class Cutter {
     std::vector<std::pair<Index, const Cuts*>> faces;
     for (const auto& [f, cuts] : cuts_) faces.emplace_back(f, &cuts);
     std::vector<Cut> cut(faces.size());
-    parallel_for(static_cast<std::int64_t>(faces.size()), kFaces, [&](std::int64_t begin, std::int64_t end) {
-      if (context.stop()) return;
-      for (std::int64_t i = begin; i < end; ++i) cut[i] = triangulate(faces[i].first, *faces[i].second);
-    });
+    parallel_for(static_cast<std::int64_t>(faces.size()), kHeavyGrain,
+                 [&](std::int64_t begin, std::int64_t end) {
+                   if (context.stop()) return;
+                   for (std::int64_t i = begin; i < end; ++i)
+                     cut[i] = triangulate(faces[i].first, *faces[i].second);
+                 });
     if (auto stop = context.stop()) return stop;
     std::vector<Piece> out;
     out.reserve(pieces_.size() + 16 * faces.size());
@@ -134,14 +121,15 @@ class Cutter {
     }
     const std::size_t before = points_.size();
     points_.resize(before + added_.size());
-    parallel_for(static_cast<std::int64_t>(added_.size()), kPairs, [&](std::int64_t begin, std::int64_t end) {
-      for (std::int64_t i = begin; i < end; ++i) {
-        const Point3& p = table_.point(added_[i]);
-        p.exact();
-        points_[before + i] = {CGAL::to_double(p.x().exact()), CGAL::to_double(p.y().exact()),
-                               CGAL::to_double(p.z().exact())};
-      }
-    });
+    parallel_for(static_cast<std::int64_t>(added_.size()), kHeavyGrain,
+                 [&](std::int64_t begin, std::int64_t end) {
+                   for (std::int64_t i = begin; i < end; ++i) {
+                     const Point3& p = table_.point(added_[i]);
+                     p.exact();
+                     points_[before + i] = {CGAL::to_double(p.x().exact()), CGAL::to_double(p.y().exact()),
+                                            CGAL::to_double(p.z().exact())};
+                   }
+                 });
     pieces_ = std::move(out);
     return std::nullopt;
   }
@@ -266,11 +254,6 @@ class Cutter {
   std::map<Index, Cuts> cuts_;
 };
 
-// Rounds of cutting with a tolerance: two or three are the rule. After some, each must cut fewer pieces than
-// the one before, or features of the tolerance's own size breed ever more of them.
-constexpr int kTolerantRounds = 16;
-constexpr int kSettlingRounds = 4;
-
 class Arranger {
  public:
   explicit Arranger(const Surface& surface) : surface_(surface) {}
@@ -313,7 +296,8 @@ class Arranger {
       merge();
       crossing = intersections();
       if (crossing.empty()) return collect(round + 1);
-      if (round + 1 == kMostRounds || (round > 1 && crossing.size() > kMostGrowth * (pairs.size() + 100)))
+      if (round + 1 == kRoundsPerDistance * std::ssize(kDistances) ||
+          (round > 1 && crossing.size() > kMostCrossings * (pairs.size() + 100)))
         return Error{ErrorCode::unsolved,
                      "Where the surface crosses itself, " + std::to_string(crossing.size()) +
                          " pairs of pieces are too close together for double precision."};
@@ -451,7 +435,7 @@ class Arranger {
     const Index n = static_cast<Index>(pieces_.size());
     std::vector<std::array<Index, 3>> keys(n);
     std::vector<char> gone(n, 0);
-    parallel_for(n, kKeys, [&](std::int64_t begin, std::int64_t end) {
+    parallel_for(n, kLightGrain, [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t i = begin; i < end; ++i) {
         auto& key = keys[i] = pieces_[i].corners;
         std::sort(key.begin(), key.end());
@@ -467,7 +451,7 @@ class Arranger {
     });
     using Range = std::pair<Index, Index>;  // of `order`: pieces with the same key
     const std::vector<Range> same = parallel_collect<Range>(
-        static_cast<std::int64_t>(points_.size()), kKeys,
+        static_cast<std::int64_t>(points_.size()), kLightGrain,
         [&](std::int64_t begin, std::int64_t end, std::vector<Range>& ranges) {
           for (std::int64_t v = begin; v < end; ++v) {
             std::sort(order.begin() + start[v], order.begin() + start[v + 1],

@@ -7,6 +7,7 @@
 #include "kernels/core/assertions.h"
 #include "kernels/parallel/parallel.h"
 #include "src/arrangement/intersection_graph.h"
+#include "src/arrangement/tuning.h"
 #include "src/exact/ordinary_size.h"
 #include "src/exact/wedges.h"
 #include "src/mesh/topology.h"

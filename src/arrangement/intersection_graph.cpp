@@ -5,7 +5,9 @@
 #include <cstdlib>
 
 #include "kernels/parallel/parallel.h"
+#include "kernels/parallel/tuning.h"
 #include "kernels/predicates/predicates.h"
+#include "src/arrangement/tuning.h"
 #include "src/exact/in_plane.h"
 
 namespace overtet {
@@ -21,15 +23,6 @@ using Kind = IntersectionGraph::Kind;
 using Meeting = IntersectionGraph::Meeting;
 using Segment = IntersectionGraph::Segment;
 using Simplex = IntersectionGraph::Simplex;
-
-// A place computed in doubles is within this many times the errors of the two heights it comes from, and of
-// an exact one rounded to doubles this far.
-constexpr double kPlaceError = 3, kRounding = 1e-15;
-
-// Places (0 to 1) that doubles do not tell better than this are computed in fractions at once.
-constexpr double kNear = 1e-9;
-
-constexpr std::int64_t kPairs = 64, kNodes = 32, kSegments = 8;  // that a thread takes at once
 
 // What pairs of faces have in common, from predicates.
 class PairMeeting {
@@ -141,10 +134,11 @@ IntersectionGraph::IntersectionGraph(const Surface& surface, const SurfaceTopolo
   const Rays rays(surface.V, surface.F, bvh);
   const PairMeeting meeting(topology, rays);
   std::vector<Segment> found(pairs.size());
-  parallel_for(static_cast<std::int64_t>(pairs.size()), kPairs, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t i = begin; i < end; ++i)
-      kind_[i] = meeting.look(pairs[i].first, pairs[i].second, found[i]);
-  });
+  parallel_for(static_cast<std::int64_t>(pairs.size()), kHeavyGrain,
+               [&](std::int64_t begin, std::int64_t end) {
+                 for (std::int64_t i = begin; i < end; ++i)
+                   kind_[i] = meeting.look(pairs[i].first, pairs[i].second, found[i]);
+               });
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     first_segment_.push_back(static_cast<Index>(segments_.size()));
     if (kind_[i] == Kind::segment) segments_.push_back(found[i]);
@@ -181,12 +175,14 @@ Status IntersectionGraph::prepare(const Rays& rays, Index first, Index last, con
       if (!position_[node]) open.push_back(node);
   std::sort(open.begin(), open.end());
   open.erase(std::unique(open.begin(), open.end()), open.end());
-  parallel_for(static_cast<std::int64_t>(open.size()), kNodes, [&](std::int64_t begin, std::int64_t end) {
-    if (context.stop()) return;
-    for (std::int64_t i = begin; i < end; ++i) position_[open[i]] = locate(rays, nodes_[open[i]]);
-  });
+  parallel_for(static_cast<std::int64_t>(open.size()), kHeavyGrain,
+               [&](std::int64_t begin, std::int64_t end) {
+                 if (context.stop()) return;
+                 for (std::int64_t i = begin; i < end; ++i)
+                   position_[open[i]] = locate(rays, nodes_[open[i]]);
+               });
   if (auto stop = context.stop()) return *stop;
-  parallel_for(last - first, kSegments, [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(last - first, kHeavyGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end && !context.stop(); ++i)
       if (auto& cuts = cuts_[first + i]; !cuts) cuts = find_cuts(rays, segments_[first + i]);
   });
@@ -219,7 +215,7 @@ IntersectionGraph::Cuts IntersectionGraph::find_cuts(const Rays& rays, const Seg
     if (cut.exact) return;
     cut.exact = rays.cut(a, b, cut.by);
     cut.near = cut.exact->get_d();
-    cut.error = kRounding;
+    cut.error = kPlaceRounding;
   };
   for (const Index h : common_partners(s.faces.first, s.faces.second)) {
     const int sa = rays.side(a, h), sb = rays.side(b, h);
@@ -242,8 +238,8 @@ IntersectionGraph::Cuts IntersectionGraph::find_cuts(const Rays& rays, const Seg
     const double x = rays.height(a, h, error_a), y = rays.height(b, h, error_b);
     const double span = std::fabs(x - y) - error_a - error_b;
     cut.near = x / (x - y);
-    cut.error = span > 0 ? kPlaceError * (error_a + error_b) / span + kRounding : HUGE_VAL;
-    if (!(cut.error < kNear)) refine(cut);
+    cut.error = span > 0 ? kPlaceError * (error_a + error_b) / span + kPlaceRounding : HUGE_VAL;
+    if (!(cut.error < kToldApart)) refine(cut);
   }
   // The order of exact arithmetic; the doubles decide wherever they are far enough apart.
   const auto compare = [&](Cut& x, Cut& y) {
@@ -295,7 +291,7 @@ void IntersectionGraph::cut_in_plane(const Rays& rays, const Segment& s, Index t
     cut.plain = !border;
     if (border) cut.faces = {third};
     cut.near = t.get_d();
-    cut.error = kRounding;
+    cut.error = kPlaceRounding;
     cut.exact = std::move(t);
   }
 }

@@ -12,6 +12,7 @@
 #include "kernels/core/tet_tables.h"
 #include "kernels/core/union_find.h"
 #include "kernels/delaunay/cavity.h"
+#include "kernels/delaunay/tuning.h"
 #include "kernels/parallel/parallel.h"
 #include "src/cdt/delaunay_match.h"
 #include "src/cdt/domain_parts.h"
@@ -20,9 +21,6 @@
 namespace overtet {
 
 namespace {
-
-// Tets that are tried for a cavity: one for which so many have been is TetGen's.
-constexpr int kFillSteps = 300;
 
 Error unsolved(std::string message) { return Error{ErrorCode::unsolved, std::move(message)}; }
 

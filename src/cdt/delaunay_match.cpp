@@ -8,11 +8,9 @@
 #include "kernels/delaunay/cavity.h"
 #include "kernels/parallel/grouping.h"
 #include "kernels/parallel/parallel.h"
+#include "kernels/parallel/tuning.h"
 
 namespace overtet {
-
-// Tets or facets that one thread takes at a time.
-constexpr std::int64_t kLightGrain = 1 << 13;
 
 bool same_turn(const Triple& a, const Triple& b) {
   OVERTET_EXPECTS(sorted(a) == sorted(b));

@@ -11,14 +11,12 @@
 #include "kernels/core/union_find.h"
 #include "kernels/parallel/grouping.h"
 #include "kernels/parallel/parallel.h"
+#include "kernels/parallel/tuning.h"
 #include "src/cdt/tuning.h"
 
 namespace overtet {
 
 namespace {
-
-// Tets or facets that one thread takes at a time.
-constexpr std::int64_t kLightGrain = 1 << 13;
 
 Error unsolved(std::string message) { return Error{ErrorCode::unsolved, std::move(message)}; }
 

@@ -3,6 +3,9 @@
 #include <utility>
 
 #include "kernels/parallel/parallel.h"
+#include "src/arrangement/intersection_graph.h"
+#include "src/certificates/separated.h"
+#include "src/certificates/tuning.h"
 #include "src/exact/ordinary_size.h"
 #include "src/exact/rational.h"
 #include "src/run/stopwatch.h"

@@ -6,13 +6,12 @@
 #include <utility>
 
 #include "src/arrangement/intersection_graph.h"
+#include "src/certificates/tuning.h"
 #include "src/run/stopwatch.h"
 
 namespace overtet {
 
 namespace {
-
-constexpr double kCheckableOpening = 1e-9;  // radians; see Hinge::opening
 
 void count_shared(const Surface& surface, Facts& d) {
   for (const auto& [f, g] : d.pairs) {

@@ -8,6 +8,7 @@
 
 #include "kernels/bvh/self_intersections.h"
 #include "src/certificates/facts.h"
+#include "src/certificates/tuning.h"
 #include "src/covering/edge_parts.h"
 #include "src/covering/pierced_edge.h"
 #include "src/covering/wound_edges.h"
@@ -20,13 +21,6 @@ namespace {
 
 using exact::Point;
 using exact::Vec;
-
-// Covered edges that lead further than this from odd hinges are a case for others: every edge costs exact
-// rays.
-constexpr std::size_t kMostFlooded = 400;
-// Directions tried, besides those of the normals around a hinge.
-constexpr int kScattered = 48;
-constexpr double kLongest = 1000;  // of their coordinates: short integers are easy to check
 
 using Direction = std::array<int, 3>;
 
@@ -98,7 +92,7 @@ class Study {
         else if (seen.insert(w).second)
           stack.push_back(w);
       }
-      if (seen.size() > kMostFlooded) return std::nullopt;
+      if (seen.size() > kMostCoveredEdges) return std::nullopt;
     }
     for (const Index h : closed) {
       if (seen.count(half_edge_target(s_.F, h))) continue;

@@ -8,6 +8,7 @@
 
 #include "kernels/core/assertions.h"
 #include "kernels/predicates/predicates.h"
+#include "src/certificates/tuning.h"
 #include "src/exact/rays.h"
 #include "src/mesh/topology.h"
 
@@ -18,9 +19,6 @@ namespace {
 using exact::Point;
 using exact::Rational;
 using exact::Vec;
-
-// Points looked at in the overlap of two faces; another one where the one before lies on an edge.
-constexpr int kPoints = 3;
 
 // A face through a point q: q = sum b_k p_k.
 struct Layer {
@@ -41,7 +39,7 @@ class StackSearch {
     if (!coplanar(f, g)) return std::nullopt;
     const Vec n = rays_.normal(f);
     const std::vector<Vec> ring = overlap(f, g, n);
-    for (int k = 0; k < kPoints && ring.size() > 2; ++k) {
+    for (int k = 0; k < kOverlapPoints && ring.size() > 2; ++k) {
       Vec q{};
       Rational sum = 0;
       for (std::size_t i = 0; i < ring.size(); ++i) {

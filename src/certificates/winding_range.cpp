@@ -9,6 +9,7 @@
 #include "kernels/predicates/predicates.h"
 #include "src/arrangement/intersection_graph.h"
 #include "src/exact/in_plane.h"
+#include "src/exact/tuning.h"
 #include "src/exact/wedges.h"
 #include "src/mesh/topology.h"
 
@@ -22,8 +23,6 @@ using exact::RayCount;
 using exact::Rays;
 using exact::RayStatus;
 using exact::Vec;
-
-constexpr int kAttempts = 12;  // other places when a ray grazes an edge
 
 // What one pair says about the winding number.
 struct PairFinding {
@@ -287,7 +286,7 @@ Result<WindingRange> find_winding_range(const Surface& surface, const SurfaceTop
   // One look at every component: just in front of a face, at its centre as far as doubles go.
   for (const SurfaceComponent& component : topology.components) {
     const Index f = component.first_face;
-    for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    for (int attempt = 0; attempt < kRayAttempts; ++attempt) {
       const Rational wa(3 + attempt), wb(3), wc(3 + attempt % 3);
       const Vec m = (Rational(1) / (wa + wb + wc)) *
                     (wa * exact::vec(rays.corner(f, 0)) + wb * exact::vec(rays.corner(f, 1)) +

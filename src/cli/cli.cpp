@@ -8,12 +8,11 @@
 #include "overtet/version.h"
 #include "src/cli/commands.h"
 #include "src/cli/signals.h"
+#include "src/cli/tuning.h"
 
 namespace overtet {
 
 namespace {
-
-constexpr double kFreeMemory = 0.9;  // of what is free, without --memory-limit: the rest is for others
 
 LogLevel level_named(const std::string& name) {
   if (name == "error") return LogLevel::error;

@@ -8,14 +8,13 @@
 #include "overtet/version.h"
 #include "src/cli/commands.h"
 #include "src/cli/signals.h"
+#include "src/cli/tuning.h"
 
 namespace overtet {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr std::size_t kListed = 20;  // of each kind in the text
 
 struct Findings {
   const Surface& surface;

@@ -12,6 +12,7 @@
 
 #include "overtet/io.h"
 #include "overtet/run_context.h"
+#include "src/cli/tuning.h"
 
 namespace overtet {
 
@@ -22,15 +23,6 @@ static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it"
 
 extern "C" void on_signal(int) { interrupted.store(true, std::memory_order_relaxed); }
 
-// How long a run may take to notice.
-constexpr auto kInterruptGrace = std::chrono::milliseconds(1500);
-constexpr auto kDeadlineGrace = std::chrono::milliseconds(2500);
-constexpr auto kMemoryGrace = std::chrono::milliseconds(1000);
-// How long anything may take, a watchdog included: what is blocked in a write to a pipe that is not read
-// notices nothing, and neither does who waits for it.
-constexpr auto kLastGrace = std::chrono::milliseconds(3000);
-constexpr auto kPeriod = std::chrono::milliseconds(50);
-
 [[noreturn]] void end_at_once(int code) {
   remove_unfinished_files();
   _exit(code);
@@ -40,7 +32,7 @@ constexpr auto kPeriod = std::chrono::milliseconds(50);
 void end_when_stuck() {
   using Clock = std::chrono::steady_clock;
   std::optional<Clock::time_point> since;
-  for (;; std::this_thread::sleep_for(kPeriod)) {
+  for (;; std::this_thread::sleep_for(kWatchPeriod)) {
     if (!interrupted) continue;
     if (!since) since = Clock::now();
     if (Clock::now() - *since <= kLastGrace) continue;
@@ -126,7 +118,7 @@ void Watchdog::watch() {
       late_(*end);
       end_at_once(static_cast<int>(end->code));
     }
-    wake_.wait_for(lock, kPeriod);
+    wake_.wait_for(lock, kWatchPeriod);
   }
 }
 

@@ -8,11 +8,11 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "src/cli/tuning.h"
+
 namespace overtet {
 
 namespace {
-
-constexpr auto kRedraw = std::chrono::milliseconds(100);
 
 bool is_set(const char* variable) {
   const char* value = std::getenv(variable);
@@ -64,13 +64,12 @@ void Terminal::progress(std::string_view stage, double fraction, std::string_vie
   if (stage == stage_ && now - last_ < kRedraw) return;
   stage_ = stage;
   last_ = now;
-  constexpr int kCells = 24;
   const double f = std::isfinite(fraction) ? std::clamp(fraction, 0.0, 1.0) : 0;
-  const int full = static_cast<int>(std::lround(f * kCells));
+  const int full = static_cast<int>(std::lround(f * kBarCells));
   std::string text = std::string(stage);
   text.resize(std::max<std::size_t>(text.size(), 13), ' ');
   text += " [" + std::string(static_cast<std::size_t>(full), '#') +
-          std::string(static_cast<std::size_t>(kCells - full), '.') + "] ";
+          std::string(static_cast<std::size_t>(kBarCells - full), '.') + "] ";
   text += std::to_string(static_cast<int>(100 * f)) + " % ";
   text += detail;
   text = one_line(text).substr(0, columns() - 1);

@@ -11,6 +11,7 @@
 #include "kernels/core/union_find.h"
 #include "src/arrangement/face_cuts.h"
 #include "src/covering/gluing_search.h"
+#include "src/covering/tuning.h"
 #include "src/exact/ordinary_size.h"
 #include "src/exact/wedges.h"
 #include "src/mesh/topology.h"
@@ -22,24 +23,6 @@ namespace {
 using exact::Rational;
 using exact::Vec;
 using Condition = GluingCondition;
-
-// Conditions of regions with at most so many sheets inside are tried first; then deeper ones, too. Beyond the
-// last number a region has too many gluings.
-constexpr int kSheets[] = {3, 4, 6};
-
-// Gluings of single regions looked at, in all (about a second); then the matter is left undecided.
-constexpr std::int64_t kMostSteps = 4'000'000;
-
-// To find out whether a conflict is still one without some condition: so many, or so many times what the
-// conflict itself has taken; in all (some seconds).
-constexpr std::int64_t kMostStepsToDrop = 50'000, kTimesToDrop = 2, kMostStepsToName = 24'000'000;
-
-// Where the search is too long, so many conditions around a hinge are tried by themselves, and more as long
-// as that is quick; with few steps at first, and so many in all (some seconds).
-constexpr std::size_t kNear[] = {10, 20, 40, 60, 80, 100, 120, 160};
-constexpr std::size_t kMostHinges = 32;
-constexpr std::int64_t kStepsNear[] = {100'000, 4'000'000};
-constexpr std::int64_t kMostStepsNear = 24'000'000;
 
 class Checker {
  public:
@@ -77,7 +60,7 @@ class Checker {
       if (some.size() == tried) continue;
       tried = some.size();
       GluingSearch search = searching(std::move(some));
-      const SolverAnswer answer = search.run(kMostSteps);
+      const SolverAnswer answer = search.run(kMostGluingSteps);
       out.steps += search.steps();
       if (auto stop = context_.stop()) return *stop;
       if (answer == SolverAnswer::found) continue;
@@ -394,7 +377,7 @@ class Checker {
         if ((surface_.F.row(g).array() == v).any() && hinges.size() < kMostHinges) hinges.insert(v);
     std::vector<std::array<double, 3>> places;
     for (const Condition& c : conditions_) places.push_back(place_of(c));
-    const std::int64_t end = steps + kMostStepsNear;
+    const std::int64_t end = steps + kMostStepsToName;
     for (const std::int64_t budget : kStepsNear)
       for (const int most : kSheets) {
         if (most < least) continue;
@@ -426,7 +409,7 @@ class Checker {
   // A conflict in which nothing is left out that it can do without.
   std::vector<Condition> fewer(std::vector<Condition> conflict, std::int64_t& steps) const {
     const std::int64_t end = steps + kMostStepsToName;
-    std::int64_t most = kMostSteps;
+    std::int64_t most = kMostGluingSteps;
     const auto still = [&](const std::vector<Condition>& some) -> std::optional<std::vector<Condition>> {
       GluingSearch search = searching(some);
       const SolverAnswer answer = search.run(std::min(most, end - steps));

@@ -5,13 +5,11 @@
 #include <numeric>
 #include <utility>
 
+#include "src/covering/tuning.h"
+
 namespace overtet {
 
 namespace {
-
-// Gluings of single regions looked at in the first attempt; each one after it, which knows where the last
-// ones failed, may look at half as many more.
-constexpr std::int64_t kFirstSteps = 10'000;
 
 int ending(const Way& way) {
   int sum = 0;

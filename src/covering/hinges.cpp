@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "kernels/predicates/predicates.h"
 #include "src/exact/rays.h"
@@ -17,8 +18,6 @@ using exact::RayStatus;
 using exact::Vec;
 using Real = long double;
 using Real3 = std::array<Real, 3>;
-
-constexpr Real kPi = 3.14159265358979323846264338327950288L;
 
 Real dot(const Real3& a, const Real3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 Real3 cross(const Real3& a, const Real3& b) {
@@ -57,12 +56,12 @@ double opening_of(const Surface& surface, const Ring& ring) {
   const double* p = surface.V.data() + 3 * std::int64_t{ring.vertex};
   const auto end = [&](int i) { return surface.V.data() + 3 * std::int64_t{ring.ends[(i + n) % n]}; };
   const auto direction = [&](int i) -> const Real3& { return ring.directions[(i + n) % n]; };
-  Real least = kPi;
+  Real least = std::numbers::pi_v<Real>;
   for (int i = 0; i < n; ++i) {
     const Real3 u = cross(direction(i), direction(i + 1)), w = cross(direction(i), direction(i - 1));
     const Real cosine = dot(u, w), sine = std::sqrt(dot(cross(u, w), cross(u, w)));
     const bool flat = orient3d(p, end(i), end(i + 1), end(i - 1)) == 0;
-    least = std::min(least, flat ? (cosine > 0 ? 0 : kPi) : std::atan2(sine, cosine));
+    least = std::min(least, flat ? (cosine > 0 ? 0 : std::numbers::pi_v<Real>) : std::atan2(sine, cosine));
   }
   return static_cast<double>(least);
 }

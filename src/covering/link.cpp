@@ -10,6 +10,7 @@
 #include "kernels/core/union_find.h"
 #include "kernels/predicates/predicates.h"
 #include "src/covering/gluing_search.h"
+#include "src/covering/tuning.h"
 #include "src/exact/rational.h"
 
 namespace overtet {
@@ -17,10 +18,6 @@ namespace overtet {
 namespace {
 
 using exact::Vec;
-
-// More layers, or a longer search, count as undecided.
-constexpr int kMostLayers = 6;
-constexpr std::int64_t kMostSteps = 2'000'000;
 
 // The link polygon as a plane graph on the sphere: corners first, then crossings.
 struct Graph {
@@ -197,7 +194,7 @@ class Search {
     const RunContext context;
     GluingSearch search(conditions_, cells_, g_.layers, context,
                         [this](const std::vector<const Way*>& ways) { return is_disc(ways); });
-    const SolverAnswer found = search.run(kMostSteps);
+    const SolverAnswer found = search.run(kMostStepsOfLink);
     LinkAnswer out;
     out.steps = search.steps();
     out.verdict = found == SolverAnswer::found  ? LinkVerdict::filled

@@ -9,6 +9,7 @@
 #include "kernels/predicates/predicates.h"
 #include "src/covering/edge_parts.h"
 #include "src/exact/rays.h"
+#include "src/exact/tuning.h"
 
 namespace overtet {
 
@@ -19,8 +20,6 @@ using exact::RayStatus;
 using exact::Vec;
 
 namespace {
-
-constexpr int kAttempts = 12;  // other places and directions when a ray grazes something
 
 double length(const Vec& x) {
   const auto y = exact::approximate(x);
@@ -56,7 +55,7 @@ class OuterSide {
   // The level between two places. None where another face contains the edge there, or no ray could be
   // counted.
   std::optional<int> level(const Rational& from, const Rational& to) const {
-    for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    for (int attempt = 0; attempt < kRayAttempts; ++attempt) {
       const Rational part(1 + attempt % 4);
       const Rational t = (part * from + to) / (part + 1);
       const auto ray = rays_.count(Point(a_ + t * e_), Point(direction(attempt)), nullptr, own_);

@@ -12,7 +12,9 @@
 #include "src/covering/edge_parts.h"
 #include "src/covering/link.h"
 #include "src/covering/pierced_edge.h"
+#include "src/covering/tuning.h"
 #include "src/exact/rays.h"
+#include "src/exact/tuning.h"
 
 namespace overtet {
 
@@ -23,9 +25,6 @@ using exact::Rational;
 using exact::RayStatus;
 using exact::Vec;
 
-constexpr std::int64_t kMostLinkSteps = 5'000'000;  // of all links: a second or two
-constexpr int kDirections = 12;                     // tried where a ray grazes something
-constexpr int kPlaces = 4;                          // tried on a piece of an edge
 constexpr int kNoBound = 1000;
 
 Point direction(int attempt) {
@@ -57,7 +56,7 @@ class Star {
       surface_.F.row(i) << 0, 1 + i, 1 + (i + 1) % n;
       surface_.F.row(n + i) << n + 1, 1 + (i + 1) % n, 1 + i;
     }
-    for (int attempt = 0; attempt < kDirections && !defined_; ++attempt) {
+    for (int attempt = 0; attempt < kRayAttempts && !defined_; ++attempt) {
       const auto d = direction(attempt).near;
       for (int k = 0; k < 3; ++k) surface_.V(n + 1, k) = surface_.V(0, k) + reach * d[k];
       const TopologyCheck check = check_topology(surface_);
@@ -152,7 +151,7 @@ class Study {
       if (!stars.back().second->defined()) return std::nullopt;
     }
     std::optional<int> room;
-    for (int attempt = 0; attempt < kDirections && !room; ++attempt) {
+    for (int attempt = 0; attempt < kRayAttempts && !room; ++attempt) {
       const Point d = direction(attempt);
       room = left_over(p, things, d);
       for (const auto& [v, star] : stars) {
@@ -262,11 +261,11 @@ class Study {
 
   std::optional<int> room_between(const Point& a, const Vec& along, const Rational& t0,
                                   const Rational& t1) const {
-    for (int place = 1; place <= kPlaces; ++place) {
+    for (int place = 1; place <= kPlacesOnEdge; ++place) {
       const Point m(a.x + ((place * t0 + t1) / (place + 1)) * along);
       const Things things = through(m);
       if (!things.vertices.empty()) continue;
-      for (int attempt = 0; attempt < kDirections; ++attempt)
+      for (int attempt = 0; attempt < kRayAttempts; ++attempt)
         if (const auto room = left_over(m, things, direction(attempt))) return room;
     }
     return std::nullopt;

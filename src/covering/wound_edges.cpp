@@ -12,20 +12,14 @@
 
 #include "kernels/core/union_find.h"
 #include "kernels/parallel/parallel.h"
+#include "kernels/parallel/tuning.h"
 #include "src/covering/link.h"
 #include "src/covering/shared_points.h"
+#include "src/covering/tuning.h"
 
 namespace overtet {
 
 namespace {
-
-constexpr double kPiercedCost = 1000;  // one pierced edge weighs as much as this many others
-constexpr double kLengthCost = 1e-3;   // of an edge of mean length: decides between equal counts only
-constexpr double kClosedCost = 1e6;    // of a closed chain through a hinge, where others may do
-constexpr std::int64_t kMostLinkSteps = 5'000'000;  // of all links: a second or two
-constexpr std::int64_t kEdgeGrain = 16;
-constexpr int kExactEnds = 16;  // subsets of so many ends are enumerated
-constexpr double kFar = std::numeric_limits<double>::infinity();
 
 // More than 12 members: what is known of the surface (six), and tables of it that each hinge uses (nine).
 class Assigner {
@@ -209,7 +203,7 @@ class Assigner {
     patch_.reset(static_cast<std::size_t>(n));
     layers_.assign(n, kUnknown);
     region_of_.assign(n, -1);
-    tree_.distance.assign(n, kFar);
+    tree_.distance.assign(n, HUGE_VAL);
     tree_.from.assign(n, -1);
     is_pierced_.assign(surface_.F.rows() * 3, 0);
     for (const PiercedEdge& e : pierced_) is_pierced_[e.half_edge] = 1;
@@ -260,7 +254,7 @@ class Assigner {
   // Floods from odd hinges ask for nearly all of them: all at once, then.
   void study_pierced() {
     std::vector<Edge> found(pierced_.size());
-    parallel_for(static_cast<std::int64_t>(pierced_.size()), kEdgeGrain,
+    parallel_for(static_cast<std::int64_t>(pierced_.size()), kHeavyGrain,
                  [&](std::int64_t begin, std::int64_t end) {
                    for (std::int64_t i = begin; i < end; ++i)
                      found[i] = study(pierced_[i].half_edge, pierced_[i].faces);
@@ -338,7 +332,7 @@ class Assigner {
     std::vector<Index> from;  // half-edge by which a vertex is reached
     std::vector<Index> touched;
     void clear() {
-      for (const Index v : touched) distance[v] = kFar, from[v] = -1;
+      for (const Index v : touched) distance[v] = HUGE_VAL, from[v] = -1;
       touched.clear();
     }
   };
@@ -385,7 +379,7 @@ class Assigner {
         if (v == start && hinge_at_[v] >= 0 && !legal_end(h, v, chains[hinge_at_[v]])) return;
         const double next = d + cost(h);
         if (tree.distance[w] <= next) return;
-        if (tree.distance[w] == kFar) tree.touched.push_back(w);
+        if (tree.distance[w] == HUGE_VAL) tree.touched.push_back(w);
         tree.distance[w] = next;
         tree.from[w] = h;
         queue.emplace(next, w);
@@ -415,7 +409,7 @@ class Assigner {
       if (chains[i] > 0) targets.insert(hinges_[i].vertex);
     }
     const int n = static_cast<int>(ends.size());
-    std::vector<std::vector<double>> distance(n, std::vector<double>(n, kFar));
+    std::vector<std::vector<double>> distance(n, std::vector<double>(n, HUGE_VAL));
     for (int i = 0; i < n; ++i) {
       if (auto stop = context_.stop()) return *stop;
       if (i > 0 && ends[i] == ends[i - 1]) {
@@ -476,7 +470,7 @@ class Assigner {
       if (tree.from[b] >= 0) chain(surface_.F, tree, a, b, path);
       return path;
     }
-    double best = kFar;
+    double best = HUGE_VAL;
     for (const Index h : half_edges_around(topology_, a)) {
       const Index u = half_edge_target(surface_.F, h);
       if (!legal(h, usage) || !legal_end(h, a, chains[hinge_at_[a]]) || !passable(u, usage, chains)) continue;
@@ -494,7 +488,7 @@ class Assigner {
     double sum = 0;
     const auto path = route(a, a, {}, chains);
     for (const Index h : path) sum += cost(h);
-    return path.empty() ? kFar : sum;
+    return path.empty() ? HUGE_VAL : sum;
   }
 
   // Targets that a chain from hinge i could reach at all: found by flooding legal edges once per region.
@@ -552,7 +546,7 @@ class Assigner {
       seen[s] = 1;
       for (std::size_t i = 0; i < group.size(); ++i)
         for (int j = 0; j < n; ++j)
-          if (!seen[j] && distance[group[i]][j] < kFar) seen[j] = 1, group.push_back(j);
+          if (!seen[j] && distance[group[i]][j] < HUGE_VAL) seen[j] = 1, group.push_back(j);
       std::sort(group.begin(), group.end());
       out.push_back(std::move(group));
     }
@@ -659,7 +653,7 @@ class Assigner {
       bool connected = false;
       for (std::size_t i = 0; i < ends.size(); ++i)
         if (hinges_[ends[i]].vertex == v)
-          for (const double d : distance[i]) connected = connected || d < kFar;
+          for (const double d : distance[i]) connected = connected || d < HUGE_VAL;
       why = connected ? "the chains that could end there are too few or use up the same edges"
                       : "no chain of edges whose outer side is covered leads from it to another hinge";
     }

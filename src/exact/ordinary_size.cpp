@@ -5,11 +5,11 @@
 #include <cmath>
 #include <limits>
 
+#include "src/exact/tuning.h"
+
 namespace overtet {
 
 namespace {
-
-constexpr int kOrdinary = 64;
 
 VertexMatrix times_power(const VertexMatrix& V, int exponent) {
   return V.unaryExpr([&](double x) { return std::ldexp(x, exponent); });

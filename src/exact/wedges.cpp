@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/exact/tuning.h"
+
 namespace overtet {
 
 namespace {
@@ -14,10 +16,6 @@ using exact::Rays;
 using exact::RayStatus;
 using exact::Vec;
 using exact::Whole;
-
-constexpr int kAttempts = 12;  // other directions or places when a ray grazes an edge
-// Determinants of three directions of length 1 in doubles are wrong by far less.
-constexpr double kSure = 1e-13;
 
 // Of length about 1. pre: not zero.
 Vec shortened(const Vec& x) {
@@ -132,7 +130,7 @@ std::optional<Wedge> Wedges::in_front(Index f, Index g, const Vec& u, const Vec&
   const std::vector<Index> skip{std::min(f, g), std::max(f, g)};
   const Vec nf = rays_.normal(f), ng = rays_.normal(g);
   const auto a = rays_.unit_normal(f), b = rays_.unit_normal(g);
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+  for (int attempt = 0; attempt < kRayAttempts; ++attempt) {
     const Rational part(1 + attempt % 5);
     const Point m(from + ((part * t0 + t1) / (part + 1)) * along);
     const double weight = 1 + 0.4 * exact::scatter(attempt);
@@ -162,7 +160,7 @@ std::vector<Wedge> Wedges::around(const Whole& u, const Point& m) const {
     // Every border comes with its opposite, so a wedge is half a turn at most.
     const int turn = borders.turn(i, j);
     if (turn < 0 || (turn == 0 && borders.alike(i, j))) continue;
-    for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    for (int attempt = 0; attempt < kRayAttempts; ++attempt) {
       const Vec d = borders.between(i, j, turn, attempt);
       const RayCount ray = rays_.count(m, Point(d), nullptr, at);
       if (ray.status != RayStatus::counted) continue;

@@ -11,7 +11,9 @@
 #include "kernels/core/tet_tables.h"
 #include "kernels/core/triangles.h"
 #include "kernels/parallel/parallel.h"
+#include "kernels/parallel/tuning.h"
 #include "kernels/predicates/predicates.h"
+#include "src/immersion/tuning.h"
 #include "src/mesh/local_operations.h"
 
 namespace overtet {
@@ -20,40 +22,6 @@ namespace {
 
 using Triple = std::array<Index, 3>;
 using Eigen::Vector3d;
-
-// A point is asked to move at most this share of the way to the other side of its star: the rest of the
-// neighbourhood needs room as well.
-constexpr double kReach = 0.5;
-
-// A point that could move only a hair would stand in its neighbours' way, so it waits while they move first:
-// each round asks for less clearance (relative to the size of the star), the last ones for any.
-constexpr double kClearances[] = {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12, 0, 0, 0};
-
-// What is left then is held fast by tets flatter than this (sine of the least dihedral angle): their edges
-// go, so many of them around a point, and so often.
-constexpr double kFlat = 1e-6;
-constexpr int kMostFlat = 200, kReconnections = 3;
-
-// At the end all of them look for more room this many times: thin tets cost the quality pass far more.
-constexpr int kSweeps = 3;
-
-// The search for a place ends with steps of this share of the star's size, or of the clearance found.
-constexpr double kLeastStep = 1e-14;
-constexpr double kWorthwhile = 1e-3;
-
-// Beyond this angle (radians) between the two faces at an edge, a point on it makes way for several.
-constexpr double kWideWedge = 1.9 * 3.14159265358979323846;
-
-// Corners closer to a slitting plane than this (sine) make the slit try another angle.
-constexpr double kOffPlane = 1e-4;
-
-// Edges of the star of a point that are halved to make way for one slit.
-constexpr int kShrinkings = 64;
-
-// Rounds in which the surface's vertices return to their places; one is the rule.
-constexpr int kHomeRounds = 16;
-
-constexpr std::int64_t kGrain = 32;  // points
 
 class Clearer {
  public:
@@ -195,7 +163,7 @@ class Clearer {
     for (int sweep = 0; sweep < kSweeps && !context_.stop(); ++sweep)
       for (const auto& rows : coloured)
         result_.smallest_clearance = parallel_reduce(
-            static_cast<std::int64_t>(rows.size()), kGrain, result_.smallest_clearance,
+            static_cast<std::int64_t>(rows.size()), kHeavyGrain, result_.smallest_clearance,
             [&](std::int64_t begin, std::int64_t end) {
               Search search;
               double smallest = std::numeric_limits<double>::infinity();
@@ -700,7 +668,7 @@ class Clearer {
     Vector3d x = start, best = start;
     double value = search.measure(x, search.distance), best_value = value;
     double step = 0.25 * size;
-    for (int i = 0; i < 200 && step > std::max(kLeastStep * size, kWorthwhile * best_value); ++i) {
+    for (int i = 0; i < 200 && step > std::max(kLeastStep * size, kLeastGain * best_value); ++i) {
       Vector3d direction = Vector3d::Zero();
       for (std::size_t k = 0; k < search.size(); ++k)
         if (const double slack = search.distance[k] - value; slack <= 0.5 * step)

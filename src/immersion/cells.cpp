@@ -10,14 +10,13 @@
 #include "kernels/core/triangles.h"
 #include "kernels/parallel/grouping.h"
 #include "kernels/parallel/parallel.h"
+#include "kernels/parallel/tuning.h"
 
 namespace overtet {
 
 namespace {
 
 using Triple = std::array<Index, 3>;
-
-constexpr std::int64_t kTetGrain = 1 << 14;
 
 // Finds triangles by their three vertices; open addressing, insertion order does not matter.
 class TriangleTable {
@@ -85,7 +84,7 @@ class CellFinder {
         table.insert(sorted(t), i);
       }
       searched.resize(n);
-      parallel_for(n, kTetGrain, [&](std::int64_t begin, std::int64_t end) {
+      parallel_for(n, kLightGrain, [&](std::int64_t begin, std::int64_t end) {
         for (Index t = static_cast<Index>(begin); t < end; ++t)
           for (int k = 0; k < 4; ++k) {
             const Triple f = face(t, k);

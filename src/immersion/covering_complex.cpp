@@ -10,12 +10,11 @@
 #include "kernels/parallel/grouping.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/raw_vector.h"
+#include "kernels/parallel/tuning.h"
 
 namespace overtet {
 
 namespace {
-
-constexpr std::int64_t kGrain = 1 << 13;  // tets, vertices
 
 // Copies of tets with explicit neighbours: until duplicate edges are gone, vertices do not identify faces.
 struct Copies {
@@ -45,7 +44,7 @@ class Builder {
     for (Index t = 0; t < n; ++t) first_[t + 1] = first_[t] + sheets_.winding_of(t);
     copies_.tet.resize(first_[n]);
     copies_.next.resize(first_[n]);
-    parallel_for(n, kGrain, [&](std::int64_t begin, std::int64_t end) {
+    parallel_for(n, kLightGrain, [&](std::int64_t begin, std::int64_t end) {
       for (Index t = static_cast<Index>(begin); t < end; ++t)
         for (Index i = 0; i < first_[t + 1] - first_[t]; ++i) copy_tet(t, i);
     });
@@ -80,7 +79,7 @@ class Builder {
     });
     UnionFind classes(4 * n);      // of corners
     RawVector<Index> root(4 * n);  // the first corner of its class
-    parallel_for(tets_.V.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+    parallel_for(tets_.V.rows(), kLightGrain, [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t v = begin; v < end; ++v) {
         const std::span<const Index> here(corners.data() + start[v], corners.data() + start[v + 1]);
         for (const Index i : here)
@@ -128,7 +127,7 @@ class Builder {
         number[i] = next++;
         position_.push_back(tets_.V.row(copies_.tet[i / 4][i % 4]));
       }
-    parallel_for(static_cast<std::int64_t>(n), kGrain, [&](std::int64_t begin, std::int64_t end) {
+    parallel_for(static_cast<std::int64_t>(n), kLightGrain, [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t c = begin; c < end; ++c)
         for (int k = 0; k < 4; ++k) copies_.tet[c][k] = number[root[4 * c + k]];
     });
@@ -175,7 +174,7 @@ class Builder {
 
   // Tets with so many marked corners or more.
   std::vector<Index> tets_with(const std::vector<char>& marked, int least) const {
-    return parallel_collect<Index>(static_cast<std::int64_t>(copies_.tet.size()), kGrain,
+    return parallel_collect<Index>(static_cast<std::int64_t>(copies_.tet.size()), kLightGrain,
                                    [&](std::int64_t begin, std::int64_t end, std::vector<Index>& out) {
                                      for (std::int64_t c = begin; c < end; ++c)
                                        if (const auto& t = copies_.tet[c];
@@ -391,7 +390,7 @@ class Builder {
       Index face;
     };
     const std::vector<Side> sides =
-        parallel_collect<Side>(static_cast<std::int64_t>(copies_.tet.size()), kGrain,
+        parallel_collect<Side>(static_cast<std::int64_t>(copies_.tet.size()), kLightGrain,
                                [&](std::int64_t begin, std::int64_t end, std::vector<Side>& list) {
                                  for (std::int64_t c = begin; c < end; ++c) {
                                    const auto& t = copies_.tet[c];

@@ -13,6 +13,7 @@
 #include "src/immersion/boundary_recovery.h"
 #include "src/immersion/covering_complex.h"
 #include "src/immersion/sheets.h"
+#include "src/immersion/tuning.h"
 #include "src/mesh/tet_complex.h"
 
 namespace overtet {
@@ -31,15 +32,6 @@ class Stopwatch {
  private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
-
-// Tolerances of the arrangement, tried one after the other where exact cuts lead nowhere; where parts of the
-// surface nearly coincide, the first of them before exact cuts. The smallest leaves room for rounding, the
-// largest is still far below what anyone can have modelled.
-constexpr double kTolerances[] = {0x1p-40, 0x1p-32, 0x1p-24};
-constexpr std::ptrdiff_t kCoincidentFirst = 2;
-
-// Sine of the angle below which faces nearly lie in one plane.
-constexpr double kParallel = 1e-6;
 
 }  // namespace
 

@@ -5,39 +5,9 @@
 #include <limits>
 #include <numeric>
 
+#include "src/immersion/tuning.h"
+
 namespace overtet {
-
-namespace {
-
-// Regions with more gluings than this (windings beyond 4) have none listed beforehand: those that can be
-// right are made from the gluings around them.
-constexpr double kMostListed = 150;
-
-// Where that must do, and nothing around is known, beyond this number the search gives up. No more are made
-// from what is around.
-constexpr double kMostOptions = 50'000;
-
-// To make a gluing takes about as long as to look at so many.
-constexpr std::int64_t kLooksToMake = 20;
-
-// At an edge that may be wound all numbers of turns are tried where a region has no more gluings than the
-// first of these numbers (windings of 5 and 6), else as many turns as the second one.
-constexpr double kMostTurned = 6000;
-constexpr int kMostTurnsMade = 2;
-
-// Of all steps, the first attempt at some regions takes so many, and so many a region.
-constexpr std::int64_t kFirstNodes = 1000;
-constexpr std::int64_t kFirstNodesEach = 10;
-
-// Where options have to be made each step takes much longer: so many a region, and as many attempts at most.
-constexpr std::int64_t kMostNodesMade = 3;
-constexpr std::int64_t kAttemptsMade = 2;
-
-// A wound edge that other faces pierce counts like this many others: its points are hard to take off the
-// boundary.
-constexpr double kPiercedCost = 50;
-
-}  // namespace
 
 SheetSearch::SheetSearch(const std::vector<Region>& regions, const std::vector<Index>& winding,
                          const SheetPuzzle& puzzle, const RunContext& context, std::int64_t most_nodes)
@@ -162,7 +132,7 @@ std::optional<std::vector<Index>> SheetSearch::possible(Index r, Index& blame) {
       const int turns = turns_at(f);
       fits = turns >= 0;
       if (!fits) blame = static_cast<Index>(puzzle_.fans.size()) + c;
-      cost += (turns != f.given) + (turns > 0 && f.pierced ? kPiercedCost : 0);
+      cost += (turns != f.given) + (turns > 0 && f.pierced ? kPiercedWeight : 0);
     }
     if (fits && fits_links(r, blame)) costs.emplace_back(cost, o);
   }
@@ -255,7 +225,6 @@ std::optional<std::vector<Index>> SheetSearch::options_around(const Fan& fan, In
   const std::size_t copies = open.size();
   for (int s = 0; s < static_cast<int>(region.signs.size()); ++s)
     (region.signs[s] > 0 ? open : loose).push_back(region.signs[s] > 0 ? front + s : -1 - s);
-  constexpr std::size_t kMostOpen = 6;
   if (open.size() != loose.size() || open.size() > kMostOpen) return std::nullopt;
 
   struct Made {
@@ -377,7 +346,7 @@ std::set<std::pair<Index, Index>> SheetSearch::settle_free_fans() {
     for (const Index i : free_fans_of_[r]) {
       const int turns = turns_at(puzzle_.free_fans[i]);
       if (turns < 0) return std::numeric_limits<double>::infinity();
-      sum += turns * (puzzle_.free_fans[i].pierced ? kPiercedCost : 1.0);
+      sum += turns * (puzzle_.free_fans[i].pierced ? kPiercedWeight : 1.0);
     }
     return sum;
   };

@@ -15,6 +15,7 @@
 #include "overtet/types.h"
 #include "src/covering/gluing_solver.h"
 #include "src/immersion/edge_fan.h"
+#include "src/immersion/tuning.h"
 #include "src/immersion/vertex_link.h"
 
 namespace overtet {
@@ -38,13 +39,6 @@ struct SheetPuzzle {
 
 class SheetSearch {
  public:
-  // Steps before a search counts as unsolved; natural inputs need about one a region.
-  static constexpr std::int64_t kMostNodes = 2'000'000;
-
-  // Gluings held against the fans before it does, too; natural inputs need about ten a region. Where the
-  // solid covers itself nine times a single step may need millions.
-  static constexpr std::int64_t kMostLooks = 20'000'000;
-
   // winding: of each cell. All arguments must outlive the search.
   SheetSearch(const std::vector<Region>& regions, const std::vector<Index>& winding,
               const SheetPuzzle& puzzle, const RunContext& context, std::int64_t most_nodes = kMostNodes);
@@ -81,7 +75,7 @@ class SheetSearch {
   bool exhausted();
 
  private:
-  bool worn_out() const { return looks_ > kMostLooks; }
+  bool worn_out() const { return looks_ > kMostGluingLooks; }
 
   bool is_complete(const Fan& fan, Index open = -1) const;
   bool is_complete(const VertexLink& link) const;

@@ -13,20 +13,13 @@
 #include "kernels/parallel/grouping.h"
 #include "src/immersion/cells.h"
 #include "src/immersion/sheet_search.h"
+#include "src/immersion/tuning.h"
 
 namespace overtet {
 
 namespace {
 
 using Triple = std::array<Index, 3>;
-
-// Rounds of the search with free edges; each but the last has found edges whose parts did not agree.
-constexpr int kFreeRounds = 4;
-
-// Rings of faces around the wound edges given within which others take part first, and how many steps such a
-// search may take: most take a few hundred.
-constexpr int kRings = 6;
-constexpr std::int64_t kMostNodesNear = 50'000;
 
 // More than 12 members: what a search knows of itself (five flags and sets) goes from round to round.
 class Assigner {
@@ -49,8 +42,8 @@ class Assigner {
     // the shorter is the search.
     free_ = true;
     for (const auto& [edge, turns] : turns_) near_.insert({edge.first, edge.second});
-    for (int rings = near_.empty() ? kRings : 0; rings <= kRings; ++rings) {
-      const bool all = rings == kRings;
+    for (int rings = near_.empty() ? kFreeRings : 0; rings <= kFreeRings; ++rings) {
+      const bool all = rings == kFreeRings;
       if (all) near_.clear();
       refused_.clear();
       cut_short_ = false;
@@ -100,7 +93,7 @@ class Assigner {
       return error;
     }
     SheetSearch search(out_.regions, out_.winding, puzzle_, context_,
-                       near_.empty() ? SheetSearch::kMostNodes : kMostNodesNear);
+                       near_.empty() ? kMostNodes : kMostNodesNear);
     const bool found = search.solve();
     cut_short_ = cut_short_ || search.cut_short();
     out_.search_nodes += search.nodes();

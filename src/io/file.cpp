@@ -14,6 +14,8 @@
 #include <set>
 #include <thread>
 
+#include "src/io/tuning.h"
+
 namespace overtet {
 
 namespace {
@@ -35,10 +37,6 @@ mode_t default_mode() {
   umask(mask);
   return 0666 & ~mask;
 }
-
-// How long is waited for someone to read from a pipe: who is started together with us may be a little later.
-constexpr auto kReaderWait = std::chrono::seconds(2);
-constexpr auto kReaderPeriod = std::chrono::milliseconds(10);
 
 // Writing to a pipe that nothing reads from any more sends a signal that ends the program, unless that has
 // arranged for it. It is held back from the thread that writes, and taken away.

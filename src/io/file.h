@@ -13,8 +13,10 @@
 #include <vector>
 
 #include "kernels/parallel/parallel.h"
+#include "kernels/parallel/tuning.h"
 #include "overtet/io.h"
 #include "overtet/result.h"
+#include "src/io/tuning.h"
 
 namespace overtet {
 
@@ -104,14 +106,14 @@ class TextWriter {
   // line(TextBuffer&, i) for i = 0 .. n-1, in that order in the file, but put together by all threads.
   template <class Line>
   TextWriter& lines(std::int64_t n, Line&& line) {
-    constexpr std::int64_t kBlock = 1 << 12, kBlocks = 32;
     flush();
-    std::vector<TextBuffer> blocks(kBlocks);
-    for (std::int64_t done = 0; done < n && status_.ok(); done += kBlock * kBlocks) {
-      parallel_for(std::min(n - done, kBlock * kBlocks), kBlock, [&](std::int64_t begin, std::int64_t end) {
-        TextBuffer& block = blocks[begin / kBlock];
-        for (std::int64_t i = begin; i < end; ++i) line(block, done + i);
-      });
+    std::vector<TextBuffer> blocks(kTextBlocks);
+    for (std::int64_t done = 0; done < n && status_.ok(); done += kLightGrain * kTextBlocks) {
+      parallel_for(std::min(n - done, kLightGrain * kTextBlocks), kLightGrain,
+                   [&](std::int64_t begin, std::int64_t end) {
+                     TextBuffer& block = blocks[begin / kLightGrain];
+                     for (std::int64_t i = begin; i < end; ++i) line(block, done + i);
+                   });
       for (TextBuffer& block : blocks) {
         if (status_.ok()) status_ = file_.write(block.bytes_);
         block.bytes_.clear();
@@ -124,8 +126,6 @@ class TextWriter {
   Status finish();
 
  private:
-  static constexpr std::size_t kBuffer = 1 << 20;
-
   template <class T>
   TextWriter& put(T x) {
     buffer_.number(x);

@@ -1,10 +1,20 @@
 // What can be chosen in this room, with units and reasons.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
+#include <cstdint>
 
 namespace overtet {
 
+// How long is waited for someone to read from a pipe, and between two looks: who is started together with us
+// may be a little later.
+constexpr auto kReaderWait = std::chrono::seconds(2);
+constexpr auto kReaderPeriod = std::chrono::milliseconds(10);
+// Blocks of lines that are formatted at the same time and then written.
+constexpr std::int64_t kTextBlocks = 32;
+// Bytes that are gathered before they are written.
+constexpr std::size_t kBuffer = 1 << 20;
 // Corners of a polygon: up to so many the best ear of all is cut (cubic time), up to so many any ear
 // (quadratic), beyond them it becomes a fan.
 constexpr std::size_t kBestEarCorners = 64, kMaxEarCorners = 1024;

@@ -9,14 +9,11 @@
 #include "src/covering/pierced_edge.h"
 #include "src/exact/ordinary_size.h"
 #include "src/mesh/flat_faces.h"
+#include "src/pipeline/tuning.h"
 
 namespace overtet {
 
 namespace {
-
-// A height over the coordinates of its corners that is within their rounding. Such faces may have an area in
-// exact arithmetic, of either sign; nobody can have meant it, and no tet of any use stands on them.
-constexpr double kRoundedHeight = 4 * 0x1p-53;
 
 // pre: the first face has an area.
 bool lies_in_a_plane(const Surface& s) {

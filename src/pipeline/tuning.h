@@ -11,6 +11,9 @@ namespace overtet {
 // and 2^(-3 * 53) more still are normal numbers. Extents that differ by more than 2^12 are scaled separately.
 constexpr int kMaxExponent = 240, kUniformUpTo = 12;
 
+// Of a face, its height over the size of its coordinates: so flat it is by the rounding of its corners alone.
+constexpr double kRoundedHeight = 4 * 0x1p-53;
+
 // --- Routes ---
 
 // With TetGen, for what another route or no mesh at all can stand in for: its flips nearly always end in

@@ -3,74 +3,23 @@
 #include <algorithm>
 #include "kernels/core/union_find.h"
 
+#include "src/repair/tuning.h"
+
 namespace overtet {
 
 namespace {
 
-// How a vertex that forbids a mesh is moved: with so many rings around it, so much of the way; wide: as far
-// as moves are allowed at all.
-struct Step {
-  int rings;
-  double part;
-  Smoothing kind;
-  bool wide;
-};
+using Reach = SmoothingStep::Reach;
 
-constexpr Smoothing kMembrane = Smoothing::membrane, kPlate = Smoothing::thin_plate;
-constexpr Step kLadder[] = {
-    // Gently.
-    {0, 0.1, kMembrane, false},
-    {0, 0.3, kMembrane, false},
-    {0, 0.6, kMembrane, false},
-    {1, 0.3, kMembrane, false},
-    {0, 0.9, kMembrane, false},
-    {1, 0.6, kMembrane, false},
-    {2, 0.6, kMembrane, false},
-    {1, 0.9, kMembrane, false},
-    {2, 0.9, kMembrane, false},
-    {1, 1.0, kPlate, false},
-    {1, 1.0, kMembrane, false},
-    {2, 1.0, kPlate, false},
-    {3, 0.95, kMembrane, false},
-    {3, 1.0, kPlate, false},
-    // As far as it takes.
-    {0, 0.6, kMembrane, true},
-    {0, 0.9, kMembrane, true},
-    {1, 0.6, kMembrane, true},
-    {1, 0.9, kMembrane, true},
-    {2, 0.9, kMembrane, true},
-    {1, 1.0, kPlate, true},
-    {1, 1.0, kMembrane, true},
-    {2, 1.0, kPlate, true},
-    {3, 0.95, kMembrane, true},
-    {3, 1.0, kPlate, true},
-    {3, 1.0, kMembrane, true},
-    {5, 0.95, kMembrane, true},
-    {5, 1.0, kPlate, true},
-    {5, 1.0, kMembrane, true},
-    {8, 1.0, kPlate, true},
-    {8, 1.0, kMembrane, true},
-    {12, 1.0, kPlate, true},
-    {12, 1.0, kMembrane, true},
-    {18, 1.0, kPlate, true},
-    {18, 1.0, kMembrane, true},
-    {27, 1.0, kMembrane, true},
-    // Creases: less than two rings leaves needles that no mesh generator takes.
-    {2, 1.0, kMembrane, true},
-    {3, 1.0, kMembrane, true},
-    {4, 1.0, kMembrane, true},
-    {6, 1.0, kMembrane, true},
-    {9, 1.0, kMembrane, true},
-    {14, 1.0, kMembrane, true}};
 constexpr int kLevels = static_cast<int>(std::size(kLadder));
-constexpr int kCreaseLevel = kLevels - 6;
 
-constexpr int kGentleLevel = 13;  // the last of the gentle ones
-
-// Creases in which nearly everything crosses nearly everything (offences per vertex) are smoothed as a
-// whole, with all faces that cross so many others of the same crease.
-constexpr double kDense = 8;
-constexpr int kCreasePartners = 4;
+// How many steps of the ladder come before those of this reach.
+constexpr int first_of(Reach reach) {
+  int level = 0;
+  while (kLadder[level].reach != reach) ++level;
+  return level;
+}
+constexpr int kCreaseLevel = first_of(Reach::crease), kGentleLevel = first_of(Reach::far) - 1;
 
 }  // namespace
 
@@ -261,7 +210,7 @@ void Clusters::place(const VertexMatrix& base) {
         if (level[u] >= 0 && !seen[u]) seen[u] = 1, c.region.push_back(u);
     std::sort(c.region.begin(), c.region.end());
     for (const Index v : c.region) c.level = std::max(c.level, level[v]);
-    const Step& step = kLadder[c.level];
+    const SmoothingStep& step = kLadder[c.level];
     std::vector<float> parts;
     for (const Index v : c.region) parts.push_back(part[v]);
     c.to = smoothed(base, base, rings_, c.region, step.kind, parts);
@@ -270,7 +219,9 @@ void Clusters::place(const VertexMatrix& base) {
       const auto k = static_cast<Eigen::Index>(i);
       const Index v = c.region[i];
       const Eigen::RowVector3d from = input_.V.row(v), move = c.to.row(k) - from;
-      const double most = step.wide ? limit : std::min(limit, std::max(gentle_, (base.row(v) - from).norm()));
+      const double most = step.reach != Reach::gentle
+                              ? limit
+                              : std::min(limit, std::max(gentle_, (base.row(v) - from).norm()));
       if (const double length = move.norm(); length > most) c.to.row(k) = from + most / length * move;
     }
     all_.push_back(std::move(c));

@@ -9,20 +9,13 @@
 #include "src/exact/winding.h"
 #include "src/mesh/topology.h"
 #include "src/repair/ray_hit.h"
+#include "src/repair/tuning.h"
 
 namespace overtet {
 
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kAhead = 1e-6;            // of the diagonal: in front of a face
-constexpr std::size_t kMostFaces = 20000;  // in front of which is looked
-constexpr std::size_t kMostStarts = 8;
-constexpr double kShortestStep = 1e-3;          // of the ball's radius
-constexpr double kGain = 1e-3;                  // of it: what counts as larger
-constexpr std::int64_t kMostWork = 20'000'000;  // distances to faces
-constexpr double kRounding = 1e-9;              // of distances, far more than they have
 
 double distance_to_segment(const Vector3d& p, const Vector3d& a, const Vector3d& b) {
   const Vector3d e = b - a;
@@ -62,7 +55,7 @@ class Balls {
       const auto w = winding_.at(ball.at.data());
       if (w && *w < 0) best = ball;
     }
-    if (best) best->distance *= 1 - kRounding;
+    if (best) best->distance *= 1 - kRoundingOfDistances;
     return best;
   }
 
@@ -83,7 +76,7 @@ class Balls {
     };
     for (const auto& [f, g] : diagnosis_.winding.negative_at) look_at(f), look_at(g);
     std::vector<Start> starts;
-    for (std::size_t i = 0; i < std::min(list.size(), kMostFaces); ++i) {
+    for (std::size_t i = 0; i < std::min(list.size(), kMostFacesLookedAt); ++i) {
       if (i % 256 == 0 && context.stop()) break;
       const Vector3d a = corner(list[i], 0), b = corner(list[i], 1), c = corner(list[i], 2);
       const Vector3d n = (b - a).cross(c - a).normalized(), p = (a + b + c) / 3 + kAhead * diagonal_ * n;
@@ -120,7 +113,7 @@ class Balls {
   // The centre goes where there is more room, without leaving the ball, so the winding number stays.
   LeastMove grown(const Start& start) {
     LeastMove ball{distance(start.at, start.width), start.at};
-    for (double step = ball.distance / 2; step > kShortestStep * ball.distance && work_ < kMostWork;) {
+    for (double step = ball.distance / 2; step > kBallPrecision * ball.distance && work_ < kMostBallWork;) {
       LeastMove next = ball;
       for (int x = -1; x <= 1; ++x)
         for (int y = -1; y <= 1; ++y)
@@ -129,7 +122,7 @@ class Balls {
             const Vector3d to = ball.at + step * Vector3d(x, y, z).normalized();
             if (const double d = distance(to, ball.distance + step); d > next.distance) next = {d, to};
           }
-      if (next.distance > (1 + kGain) * ball.distance)
+      if (next.distance > (1 + kBallPrecision) * ball.distance)
         ball = next;
       else
         step /= 2;

@@ -9,19 +9,11 @@
 
 #include "src/repair/offences.h"
 #include "src/repair/smoothing.h"
+#include "src/repair/tuning.h"
 
 namespace overtet {
 
 namespace {
-
-// Faces do not become thinner (twice the area over the square of the longest edge): tets at them would be
-// flat, and what is meshed next locks there.
-constexpr double kThinnest = 1e-3;
-constexpr int kFewestLooks = 10;      // fewer gain nothing
-constexpr int kBisections = 5;        // of lengths and factors
-constexpr std::size_t kOneByOne = 8;  // so many groups that are refused together are looked at by themselves
-constexpr int kPasses = 4;            // over single vertices
-constexpr double kWorthwhile = 0.02;  // a pass that shortens the moves by less, altogether, is the last
 
 // New places for a group's vertices.
 struct Trial {
@@ -113,7 +105,7 @@ Status Lessening::look(const VertexMatrix& V, std::vector<Offence>& offences) {
   for (Index f = 0; f < input_.F.rows(); ++f) {
     bool changed = false;
     for (int k = 0; k < 3; ++k) changed = changed || V.row(input_.F(f, k)) != now_.V.row(input_.F(f, k));
-    if (changed && thinness(V, f) < std::min(kThinnest, thinness(now_.V, f)))
+    if (changed && thinness(V, f) < std::min(kThinnestFace, thinness(now_.V, f)))
       offences.push_back({input_.F(f, 0), input_.F(f, 1), input_.F(f, 2)});
   }
   if (!offences.empty()) return success();  // cheaper than a diagnosis
@@ -265,7 +257,7 @@ Status Lessening::go() {
     return t;
   };
   double before = total();
-  for (int pass = 0; pass < kPasses && left(); ++pass) {
+  for (int pass = 0; pass < kLessenPasses && left(); ++pass) {
     start();
     if (Status s = bisect(cut); !s) return s;
     start();
@@ -275,7 +267,7 @@ Status Lessening::go() {
     gather();
     if (Status s = batches(by_move(true), 0.5); !s) return s;
     const double now = total();
-    if (now > (1 - kWorthwhile) * before) break;
+    if (now > (1 - kPassPays) * before) break;
     before = now;
   }
   return success();

@@ -6,15 +6,11 @@
 
 #include "src/exact/winding.h"
 #include "src/mesh/flat_faces.h"
+#include "src/repair/tuning.h"
 
 namespace overtet {
 
 namespace {
-
-constexpr double kFlatFace = 1e-14;  // height over reach below which a face counts as one without area
-constexpr std::size_t kFlood = 200000;
-constexpr double kAhead =
-    1e-9;  // of the diagonal: so far in front of a vertex the winding number is looked at
 
 // All vertices around `seed` in front of which the winding number is negative: the part that pokes out.
 Offence flooded(const Surface& now, const Diagnosis& diagnosis, const VertexRings& rings, double diagonal,
@@ -23,8 +19,8 @@ Offence flooded(const Surface& now, const Diagnosis& diagnosis, const VertexRing
   std::vector<char> seen(now.V.rows(), 0);
   Offence all = seed, queue = seed;
   for (const Index v : seed) seen[v] = 1;
-  const double ahead = kAhead * diagonal;
-  while (!queue.empty() && all.size() < kFlood) {
+  const double ahead = kAheadOfVertex * diagonal;
+  while (!queue.empty() && all.size() < kMostFlooded) {
     Offence next;
     for (const Index v : queue)
       for (const Index u : rings(v)) {

@@ -6,6 +6,7 @@
 #include "src/repair/clusters.h"
 #include "src/repair/offences.h"
 #include "src/repair/shrinking.h"
+#include "src/repair/tuning.h"
 #include "src/repair/turn_search.h"
 
 namespace overtet {
@@ -18,9 +19,6 @@ struct RepairMemory {
 };
 
 namespace {
-
-constexpr int kTurnedRings = 3;  // around turned parts only gentle steps are taken
-constexpr int kFloodRounds = 4;  // every so many rounds all of what pokes out is looked for
 
 class Repair {
  public:

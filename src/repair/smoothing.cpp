@@ -5,14 +5,9 @@
 #include <cmath>
 
 #include "kernels/sparse/cholesky.h"
+#include "src/repair/tuning.h"
 
 namespace overtet {
-
-namespace {
-
-constexpr double kShortest = 0.05;  // edges shorter than this part of the mean count as that long
-
-}  // namespace
 
 VertexRings::VertexRings(Index vertices, const TriangleMatrix& F) {
   // Of a closed oriented surface: every edge is run along once in each direction.
@@ -61,7 +56,7 @@ VertexMatrix smoothed(const VertexMatrix& V, const VertexMatrix& values, const V
   mean /= static_cast<double>(std::max<std::int64_t>(edges, 1));
   if (!held || !(mean > 0)) return {};
   const auto weight = [&](Index u, Index v) {
-    return mean / std::max((V.row(u) - V.row(v)).norm(), kShortest * mean);
+    return mean / std::max((V.row(u) - V.row(v)).norm(), kShortestEdge * mean);
   };
 
   // The rows: the free vertices, and for the plate their neighbours too.

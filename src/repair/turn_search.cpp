@@ -3,16 +3,11 @@
 #include <algorithm>
 #include <iterator>
 
+#include "src/repair/tuning.h"
+
 namespace overtet {
 
 namespace {
-
-// How thick a part is after its turn, the first for choosing directions.
-constexpr double kThickness[] = {0.3, 0.2, 0.1, 0.5, 0.05};
-constexpr int kFollowers[] = {0, 1, 3, 6};  // rings around it that follow
-constexpr int kMostTurns = 6;
-constexpr std::size_t kRefined = 3;     // ways of turning a part that are looked at closely
-constexpr std::size_t kMostTrials = 8;  // and that are kept
 
 // The rings around a turned part go with it, less and less.
 void let_follow(const VertexMatrix& V, const VertexRings& rings, int count, Turn& turn) {
@@ -92,7 +87,7 @@ class TurnSearch {
       for (const Eigen::Vector3d& along : part.directions)
         if (Status s = attempt(part, along, kThickness[0], 0); !s) return s;
     sort_trials();
-    const std::size_t promising = std::min(kRefined, trials_.size());
+    const std::size_t promising = std::min(kRefinedTurns, trials_.size());
     for (std::size_t i = 0; i < promising; ++i) {
       if (trials_[i].left == 0) continue;
       const InsideOutPart& part = *trials_[i].part;
@@ -131,7 +126,7 @@ class TurnSearch {
     std::stable_sort(trials_.begin(), trials_.end(), [](const Trial& x, const Trial& y) {
       return x.left != y.left ? x.left < y.left : x.farthest < y.farthest;
     });
-    if (trials_.size() > kMostTrials) trials_.resize(kMostTrials);
+    if (trials_.size() > kMostTurnTrials) trials_.resize(kMostTurnTrials);
   }
 
   const Surface& input_;

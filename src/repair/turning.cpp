@@ -11,27 +11,13 @@
 #include "kernels/sparse/cholesky.h"
 #include "src/exact/winding.h"
 #include "src/repair/ray_hit.h"
+#include "src/repair/tuning.h"
 
 namespace overtet {
 
 namespace {
 
 using Eigen::Vector3d;
-
-// Faces whose normals make a larger angle than this belong to different parts: where an inside-out part
-// begins, the normals jump. No single threshold fits all surfaces, so each gives candidates.
-constexpr double kCreases[] = {0.0, 0.3, 0.5, 0.7, 0.85, 0.95};  // cosines
-constexpr double kStretches[] = {4, 10};                         // longest edges over the median one
-// Of a part's area that must have negative winding in front: the rest may lie inside other parts.
-constexpr double kNegativeShare = 0.25;
-constexpr std::size_t kMostParts = 8;
-constexpr int kMostSamples = 40;  // of one face
-constexpr std::size_t kFewestFaces = 4;
-constexpr std::size_t kMostFlooded = 200000;  // samples
-constexpr int kAngles = 8;                    // directions across a part, over half a turn
-constexpr double kAhead = 1e-6;               // of the diagonal: in front of a face
-constexpr double kGrazing = 0.05;             // cosine between a direction and a normal: no wall across it
-constexpr double kStay = 1e-3;                // how strongly vertices stay where no pair of walls moves them
 
 double longest_edge(const Surface& s, Index f) {
   double most = 0;
@@ -137,7 +123,7 @@ class PartFinder {
     std::stable_sort(parts_.begin(), parts_.end(), [](const InsideOutPart& a, const InsideOutPart& b) {
       return a.negative_area > b.negative_area;
     });
-    if (parts_.size() > kMostParts) parts_.resize(kMostParts);
+    if (parts_.size() > kMostTurnedParts) parts_.resize(kMostTurnedParts);
     return std::move(parts_);
   }
 

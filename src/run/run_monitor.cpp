@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
+#include "src/run/tuning.h"
+
 namespace overtet {
 
 namespace {
-
-constexpr auto kPeriod = std::chrono::milliseconds(25);
 
 std::size_t resident_bytes(long process) {
   const std::string path = "/proc/" + std::to_string(process) + "/statm";
@@ -91,7 +91,7 @@ void RunMonitor::watch() {
   std::unique_lock lock(mutex_);
   while (!ended_) {
     look();
-    wake_.wait_for(lock, kPeriod);
+    wake_.wait_for(lock, kMonitorPeriod);
   }
 }
 

@@ -33,7 +33,7 @@ constexpr int kNewtonSteps = 4;
 // Local remeshing looks at tets below this smallest dihedral sine.
 constexpr double kRemeshBelow = 0.3;
 // In mean edges: nearer vertices go home in one move, unless a neighbour is farther than the other.
-constexpr double kSnapReach = 0.5, kFar = 1;
+constexpr double kSnapReach = 0.5, kHeldBack = 1;
 // Radians. Angles closer to their goals than this are on the right branch (half a turn apart would be pi).
 constexpr double kBranchReached = 2.5;
 // Surface rings around wound edges whose angles are driven, and that are free, in the branch stage.

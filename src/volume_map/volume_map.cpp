@@ -202,7 +202,7 @@ class Mapper {
     if (reach < HUGE_VAL)
       for (const auto& f : surface_)
         for (const Index v : f)
-          if (distance(v) > kFar)
+          if (distance(v) > kHeldBack)
             for (const Index w : f) held[w] = 1;
     Index count = 0;
     for (const Index v : list)
