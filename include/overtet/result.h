@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -39,7 +40,8 @@ struct Error {
   std::optional<std::array<double, 3>> place = std::nullopt;
   ErrorReason reason = ErrorReason::none;
   // Of `infeasible`: the proof. (None where a repair gave up, or a part of the surface is what has no mesh.)
-  std::optional<Certificate> certificate = std::nullopt;
+  // Shared, so that errors are small.
+  std::shared_ptr<const Certificate> certificate = nullptr;
 };
 
 // A value or an error. Check ok() before value(); taking the wrong one is a bug.

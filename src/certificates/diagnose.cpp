@@ -1,5 +1,6 @@
 #include "src/certificates/diagnose.h"
 
+#include <memory>
 #include <utility>
 
 #include "kernels/parallel/parallel.h"
@@ -202,7 +203,7 @@ std::optional<Error> refuse(const Diagnosis& d) {
   if (d.verdict == Verdict::bad_input) return Error{ErrorCode::bad_input, d.message};
   if (d.verdict != Verdict::infeasible) return std::nullopt;
   Error error{ErrorCode::infeasible, d.message};
-  error.certificate = d.certificate;
+  if (d.certificate) error.certificate = std::make_shared<const Certificate>(*d.certificate);
   return error;
 }
 

@@ -69,7 +69,7 @@ TEST(Rules, OneMoreComesOutInVerdictMessageAndReport) {
     ASSERT_TRUE(refused->certificate);
     EXPECT_STREQ(rule_name(*refused->certificate), "marked");
     Report report;
-    report.certificate = refused->certificate;
+    report.certificate = *refused->certificate;
     const Json witness = Json::parse(to_json(report))["witness"];
     EXPECT_EQ(witness["rule"], "marked");
     EXPECT_EQ(witness["vertices"], Json({5}));

@@ -198,7 +198,7 @@ TEST(Pipeline, SaysWhereCurvesContradictEachOther) {
 TEST(Pipeline, SaysWhyThereIsNoMesh) {
   const PipelineResult saucer = run(test::saucer());
   EXPECT_EQ(saucer.exit_code(), 5);
-  ASSERT_TRUE(saucer.error.certificate.has_value());
+  ASSERT_TRUE(saucer.error.certificate);
   ASSERT_TRUE(std::holds_alternative<WindingCertificate>(*saucer.error.certificate));
   EXPECT_LT(std::get<WindingCertificate>(*saucer.error.certificate).winding, 0);
   EXPECT_EQ(saucer.mesh.T.rows(), 0);
@@ -343,7 +343,7 @@ TEST(Pipeline, PartsWithoutAMeshAreCarriedByWhatSurroundsThem) {
     Surface s = test::obstructed_elbow(number);
     const PipelineResult alone = run(s);
     ASSERT_EQ(alone.report.status, RunStatus::infeasible);
-    ASSERT_TRUE(alone.error.certificate.has_value());
+    ASSERT_TRUE(alone.error.certificate);
     ASSERT_TRUE(std::holds_alternative<UnpairedCertificate>(*alone.error.certificate));
     const auto& [x, y, z] = std::get<UnpairedCertificate>(*alone.error.certificate).positions[0];
     for (const double radius : {3.0, 3.6, 4.2, 4.8}) {
