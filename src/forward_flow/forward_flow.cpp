@@ -655,7 +655,7 @@ Result<ForwardFlowResult> forward_flow(const Surface& surface, std::span<const s
                  "The surface has no faces, or a face names a vertex that does not exist."};
   if (!surface.V.allFinite())
     return Error{ErrorCode::bad_input, "The surface has a coordinate that is not finite."};
-  OVERTET_EXPECTS(require_topology(surface));
+  if (const auto topology = require_topology(surface); !topology) return topology.error();
   const ScopedThreads threads(context.threads);
   const double area = surface_area(surface.V, surface.F);
   if (!(area > 0) || !std::isfinite(area)) return Error{ErrorCode::bad_input, "The surface has no area."};

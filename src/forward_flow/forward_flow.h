@@ -25,8 +25,9 @@
 // Guaranteed when it returns a value:
 //  - V is finite and has exactly no intersecting pair of faces; frozen vertices are V0's, bit for bit.
 //  - The same bytes on any number of threads.
-// Errors: bad_input (not finite, no area, indices out of range), unsolved (no weights and no step size
-// removed the intersections; the message has the smallest number of pairs), limit, interrupted.
+// Errors: bad_input (not finite, no area, indices out of range, not closed and oriented), unsolved (no
+// weights and no step size removed the intersections; the message has the smallest number of pairs), limit,
+// interrupted.
 #pragma once
 
 #include <array>
@@ -119,7 +120,6 @@ struct ForwardFlowResult {
 };
 
 // pairs: the intersecting face pairs of the surface, all of them, each once.
-// pre: closed, oriented, every edge has two faces.
 Result<ForwardFlowResult> forward_flow(const Surface& surface, std::span<const std::array<Index, 2>> pairs,
                                        const ForwardFlowOptions& options, const RunContext& context);
 
