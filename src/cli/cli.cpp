@@ -30,7 +30,8 @@ void add_common(CLI::App& command, CommonOptions& o) {
       ->check(CLI::PositiveNumber);
   command
       .add_option("--memory-limit", o.memory_limit,
-                  "MiB that the program and its child processes may use together (exit 6 beyond; default: 90 "
+                  "MiB that the program and its child processes may use together (exit 6 if they need more; "
+                  "default: 90 "
                   "% of what is free)")
       ->check(CLI::PositiveNumber);
   command.add_flag("--quiet,-q", o.quiet, "Print errors only");
@@ -136,7 +137,7 @@ int parse_and_run(int argc, char** argv) {
     return app.exit(e);  // --help, --version
   } catch (const CLI::ParseError& e) {
     Terminal terminal(LogLevel::warning, false);
-    return fail(terminal, {ErrorCode::usage, std::string(e.what()) + " (see overtet --help)"});
+    return fail(terminal, {ErrorCode::usage, std::string(e.what()) + " (see overtet --help)."});
   }
   Terminal terminal(common.quiet ? LogLevel::error : level_named(common.log_level), common.quiet);
   install_signal_handlers();

@@ -9,7 +9,7 @@ namespace overtet::io_detail {
 Result<Polygons> parse_obj(std::string_view name, std::string_view bytes, SurfaceReadInfo& info) {
   info.format = "OBJ";
   if (const std::int64_t line = line_of_nul(bytes))
-    return malformed(name, "line " + std::to_string(line) + " contains a NUL byte; is it a binary file?");
+    return malformed(name, "line " + std::to_string(line) + " contains a NUL byte, so it is not text");
   TextCursor in(name, bytes, true);
   Polygons out;
   // A face may name a vertex that comes later in the file: the largest such name, checked at the end.

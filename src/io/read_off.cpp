@@ -7,7 +7,7 @@ namespace overtet::io_detail {
 // ignored. "4OFF" and "nOFF" (other dimensions) and the binary variant are refused.
 Result<Polygons> parse_off(std::string_view name, std::string_view bytes, SurfaceReadInfo& info) {
   if (const std::int64_t line = line_of_nul(bytes))
-    return malformed(name, "line " + std::to_string(line) + " contains a NUL byte; is it a binary file?");
+    return malformed(name, "line " + std::to_string(line) + " contains a NUL byte, so it is not text");
   TextCursor in(name, bytes, true);
   if (!in.to_token()) return malformed(name, "the file is empty");
   std::string_view header = in.token();

@@ -336,8 +336,8 @@ Result<Polygons> parse_ply(std::string_view name, std::string_view bytes, Surfac
     std::int64_t line =
         1 + std::count(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(body_at) + 1, '\n');
     if (const std::int64_t nul = line_of_nul(body))
-      return malformed(
-          name, "line " + std::to_string(line + nul - 1) + " contains a NUL byte; is it a binary file?");
+      return malformed(name,
+                       "line " + std::to_string(line + nul - 1) + " contains a NUL byte, so it is not text");
     TextSource source(name, body, line);
     source.name = name;
     status = read_body(source, elements, out);

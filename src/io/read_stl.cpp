@@ -100,7 +100,7 @@ Result<Polygons> parse_ascii_stl(std::string_view name, std::string_view bytes, 
   info.format = "STL, ASCII";
   info.has_vertex_order = false;
   if (const std::int64_t line = line_of_nul(bytes))
-    return malformed(name, "line " + std::to_string(line) + " contains a NUL byte; is it a binary file?");
+    return malformed(name, "line " + std::to_string(line) + " contains a NUL byte, so it is not text");
   TextCursor in(name, bytes, false);
   Polygons out;
   PointTable table(bytes.size() / 256);

@@ -314,7 +314,7 @@ Result<TetMesh> read_tets(const std::string& path, const RunContext& context) {
   if (bytes.value().empty()) return malformed(name, "the file is empty");
   if (format.value() == TetFormat::vtu) return read_vtu(name, bytes.value());
   if (const std::int64_t line = line_of_nul(bytes.value()))
-    return malformed(name, "line " + std::to_string(line) + " contains a NUL byte; is it a binary file?");
+    return malformed(name, "line " + std::to_string(line) + " contains a NUL byte, so it is not text");
   Tokens in(name, bytes.value());
   return format.value() == TetFormat::medit ? read_medit(in, name) : read_gmsh(in, name);
 }

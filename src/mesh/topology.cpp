@@ -21,7 +21,7 @@ std::string face_name(const TriangleMatrix& F, Index f) {
 
 std::string edge_name(Index a, Index b) {
   return "The edge between vertices " + std::to_string(std::min(a, b)) + " and " +
-         std::to_string(std::max(a, b));
+         std::to_string(std::max(a, b)) + " (counted from 0)";
 }
 
 class Checker {
@@ -116,7 +116,8 @@ class Checker {
       fail(check_.oriented,
            "Faces " + std::to_string(half_edge_face(h[0])) + " and " + std::to_string(half_edge_face(h[1])) +
                " run the same way along the edge of vertices " + std::to_string(a) + " and " +
-               std::to_string(b) + ": the faces are not oriented consistently, or the surface is one-sided.");
+               std::to_string(b) +
+               " (counted from 0): the faces are not oriented consistently, or the surface is one-sided.");
     }
   }
 

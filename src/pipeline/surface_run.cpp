@@ -30,11 +30,12 @@ std::optional<Error> pinched_vertices(const Surface& input, const Diagnosis& dia
             [&](Index a, Index b) { return position(a) != position(b) ? position(a) < position(b) : a < b; });
   for (std::size_t i = 0; i + 1 < order.size(); ++i)
     if (position(order[i]) == position(order[i + 1]))
-      return Error{ErrorCode::bad_input,
-                   "Vertices " + std::to_string(order[i]) + " and " + std::to_string(order[i + 1]) +
-                       " are at the same point, and the solid has no thickness between them;" +
-                       " move one of them a little.",
-                   position(order[i])};
+      return Error{
+          ErrorCode::bad_input,
+          "Vertices " + std::to_string(order[i]) + " and " + std::to_string(order[i + 1]) +
+              " (counted from 0) are at the same point, and the solid has no thickness between them;" +
+              " move one of them a little.",
+          position(order[i])};
   return std::nullopt;
 }
 
