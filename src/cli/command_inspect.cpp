@@ -167,8 +167,8 @@ void print_hinges(const Findings& f) {
   for (std::size_t h = 0; h < d.hinges.size() && h < kListed; ++h) {
     const HingeDiagnosis& hinge = d.hinges[h];
     std::printf(
-        "            vertex %d at %s: B0 %s, %zu crossings in its link, covering %d; levels outside its "
-        "edges",
+        "            vertex %d at %s: B0 %s, %zu crossings in its link, winding number at least %d "
+        "around it; levels along its edges",
         hinge.vertex, text_of(position(f.surface, hinge.vertex)).c_str(),
         hinge.B0 ? std::to_string(*hinge.B0).c_str() : "not defined", hinge.crossings.size(), hinge.covering);
     const char* comma = "";

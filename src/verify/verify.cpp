@@ -375,7 +375,7 @@ bool check_numbers(VerifyResult& r, const TetMesh& mesh, Finding& infinite) {
   if (tets == 0) {
     Finding none;
     none.count = 1;
-    report(r, Rule::R1, none, "mesh has no tets");
+    report(r, Rule::R1, none, "tet mesh has no tets");
     return false;
   }
   Finding out_of_range, unused;
