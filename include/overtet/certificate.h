@@ -11,9 +11,9 @@
 // tiny sphere around p and theta_e the interior dihedral angle at each of its edges; by Gauss and Bonnet a
 // mesh has B0 = 2 c + sum k_e with c >= 0 layers that cover p without touching it and k_e >= 0 turns around
 // edge e beyond theta_e, where k_e is at most the winding number on the outer side of e, all along it. An
-// edge is covered when that number is positive all along. (Sources: Sacht et al. 2013 for the winding number;
-// Blank 1967 and Poenaru 1968 for discs with a given boundary; the rest is derived in docs/ and in the
-// headers of src/covering and src/certificates.)
+// edge is covered when that number is positive all along. (Sources: Sacht et al. 2013, section 3, for what a
+// mesh must satisfy; Blank 1967 for discs with a given boundary; docs/theory.md derives the rest and names
+// all sources.)
 #pragma once
 
 #include <array>
@@ -41,15 +41,15 @@ struct VertexCertificate {
   std::array<double, 3> position{};
 };
 
-// The same where two faces lie flat on each other at an edge of the vertex, or almost: only who computes
-// exactly can tell a dihedral angle of 0 from 2 pi there.
+// The same where two faces lie flat on each other at an edge of the vertex, or almost: only exact arithmetic
+// can tell a dihedral angle of 0 from 2 pi there.
 struct FoldCertificate {
   std::int32_t vertex = -1;
   int B0 = 0;
   std::array<double, 3> position{};
 };
 
-// Coplanar faces that lie on each other in an order that must not be. Vertices that move by moves[i] * eps
+// Coplanar faces that lie on each other in an order that forbids a mesh. Vertices that move by moves[i] * eps
 // along the normal of `face` make the winding number at `exact` negative between the faces, for every eps > 0
 // that is small enough; a surface that has a mesh still has one after such a move.
 struct StackCertificate {
@@ -84,8 +84,8 @@ struct LinkCertificate {
   std::array<double, 3> position{};
 };
 
-// Vertices in one place. Their surroundings need `layers` at least, each, beyond the least that their faces
-// show, and all that passes through the place leaves room for `room`, fewer than the sum.
+// Vertices in one place. The surroundings of each need at least `layers` beyond the fewest that its faces
+// show, and all that passes through the place has room for `room`, fewer than the sum.
 struct SharedCertificate {
   std::vector<std::int32_t> vertices;
   std::vector<int> layers;                       // of each
@@ -93,9 +93,8 @@ struct SharedCertificate {
   int room = 0;
 };
 
-// As UnpairedCertificate, of one component by itself: moved in `direction` by as little as one likes, away
-// from others that it touches, it gets from them nothing that covers one of the edges in question. Its rule
-// is called "unpaired" as well.
+// As UnpairedCertificate, for one component by itself: once it has moved in `direction`, however little, away
+// from others that it touches, these cover none of the edges in question. Its rule is called "unpaired", too.
 struct SeparatedCertificate {
   std::vector<std::int32_t> vertices;
   std::vector<int> B0;                           // of each, in the component by itself
@@ -115,7 +114,7 @@ struct GluingCertificate {
   std::vector<std::array<std::int32_t, 2>> edges;  // by their vertices, the smaller one first; sorted
 };
 
-// What a rule found that is not part of Overtet: see "How to add a certificate" in CONTRIBUTING.md.
+// What a rule that is not part of Overtet found: see "How to add a certificate" in CONTRIBUTING.md.
 struct CustomCertificate {
   std::string rule;  // its name
   std::string explanation;
@@ -123,15 +122,17 @@ struct CustomCertificate {
   std::vector<std::array<double, 3>> positions;  // of each
 };
 
-// In the order in which the rules are tried: the first that objects decides.
+// In the order in which the rules are tried: the first that objects decides. Certificates that the library
+// hands out have an entry of each list for each vertex; those that you make must, too.
 using Certificate = std::variant<WindingCertificate, VertexCertificate, FoldCertificate, StackCertificate,
                                  UnpairedCertificate, CrowdedCertificate, LinkCertificate, SharedCertificate,
                                  SeparatedCertificate, GluingCertificate, CustomCertificate>;
 
-// "winding", "vertex", ...: what a report calls it. Valid as long as the certificate.
+// "winding", "vertex", ...: what a report calls it. Valid as long as the certificate. These three functions
+// throw nothing but std::bad_alloc.
 const char* rule_name(const Certificate& certificate);
 
-// One sentence for a person: why no mesh exists.
+// One sentence for a person: where and why no mesh exists.
 std::string explain(const Certificate& certificate);
 
 // The "witness" of a report, on one line without a line end; its keys are in the README ("The report").

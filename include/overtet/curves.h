@@ -1,8 +1,8 @@
 // The curves in which the surface passes through itself, traced exactly.
 //
 // A pair of faces meets in a segment. Its ends are where an edge of one face meets the other face, and that
-// edge leads to the next pair: so segments are strung together by (edge, face), never by how close their ends
-// are. A curve is closed, or ends at hinges (vertices whose one-ring crosses itself), or, in special
+// edge leads to the next pair: so segments are joined by (edge, face), never by how close their ends are. A
+// curve is closed, or ends at hinges (vertices whose one-ring crosses itself), or, in special
 // position, where the surface only touches itself or where more than two segments meet. Every curve is seen
 // twice on the surface, once on each of the two sheets that cross in it: its preimages.
 //
@@ -10,8 +10,9 @@
 // the winding number takes four values: w in front of both faces, w + 1 in front of one and behind the other,
 // w + 2 behind both.
 //
-// Exact: which segments there are, how they hang together, where third faces cut them, the winding numbers.
-// Rounded: positions, barycentric coordinates, lengths.
+// Exact: which segments there are, how they connect, where third faces cut them, the winding numbers.
+// Rounded: positions and lengths (in the surface's units), barycentric coordinates. The result does not
+// depend on the number of threads. docs/theory.md says what the winding numbers around curves are good for.
 #pragma once
 
 #include <array>
@@ -55,7 +56,7 @@ struct CurveSegment {
 };
 
 struct Curve {
-  // How a curve ends: at a hinge, or somewhere that only special position brings about.
+  // How a curve ends: at a hinge, or at a contact, which only surfaces in special position have.
   enum class End { none, hinge, contact };
   bool closed = false;
   // Of a closed curve: after one time around, the sheets have changed places, so that the two preimages
@@ -87,7 +88,7 @@ struct Curves {
 };
 
 // The curves of a closed, oriented, manifold surface of faces with area. Errors: bad_input (another surface;
-// the message names the element), limit, interrupted.
+// the message names the element), limit, interrupted, internal. Never throws.
 Result<Curves> intersection_curves(const Surface& surface, const RunContext& context = {});
 
 }  // namespace overtet

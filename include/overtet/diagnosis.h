@@ -2,7 +2,8 @@
 // where it passes through itself; and what a mesh has to do at its hinges.
 //
 // Exact, on the very doubles: the verdict, which faces intersect, hinges and their integers, winding numbers.
-// The result does not depend on the number of threads.
+// The result does not depend on the number of threads. Vertices and faces are counted from 0. Hinges are the
+// "hinge points" of Sacht et al. 2013, section 3; docs/theory.md derives B0 and the rules.
 #pragma once
 
 #include <array>
@@ -19,7 +20,7 @@
 namespace overtet {
 
 enum class Verdict {
-  bad_input,  // not a closed, oriented, manifold surface of faces with area: what `message` names comes first
+  bad_input,  // not a closed, oriented, manifold surface of faces with area: fix what `message` names first
   embedded,   // no two faces intersect and the winding is right: an ordinary tet mesh will do
   feasible,   // passes through itself; nothing that forbids a mesh was found
   infeasible  // no mesh exists: the certificate proves it
@@ -29,7 +30,7 @@ const char* verdict_name(Verdict verdict);
 struct ComponentDiagnosis {
   Index faces = 0, vertices = 0;
   Index genus = 0;
-  std::optional<double> signed_volume;  // negative: it faces inwards; none where that was not looked at
+  std::optional<double> signed_volume;  // in cubed units; negative: it faces inwards; none: not computed
 };
 
 // An edge at a hinge, and how often something may turn around it.

@@ -25,7 +25,7 @@
 
 namespace overtet {
 
-class AtomicFile;  // of the library, src/io/file.h
+class AtomicFile;  // internal, src/io/file.h
 
 // Surfaces: OBJ, OFF (with colours and normals: COFF, NOFF, ...), PLY (ASCII, both byte orders) and STL
 // (ASCII and binary).
@@ -39,8 +39,8 @@ struct SurfaceReadInfo {
 };
 
 // What the file begins with counts more than its extension. Polygons are cut into triangles, the equal
-// vertices of STL are merged; both are said in the notes. Whether the surface is closed, oriented and so on
-// is not looked at here: diagnose() does that.
+// vertices of STL are merged; the notes say both. Whether the surface is closed, oriented and so on
+// is not looked at here: diagnose() does that. Errors: bad_input, io.
 Result<Surface> read_surface(const std::string& path, SurfaceReadInfo* info = nullptr,
                              const RunContext& context = {});
 
@@ -48,6 +48,7 @@ enum class SurfaceFormat { off, obj, ply };  // PLY: binary, little endian, doub
 
 // By extension: .off, .obj or .ply. Errors: usage.
 Result<SurfaceFormat> surface_format_of(const std::string& path);
+// Errors: io.
 Status write_surface(const std::string& path, const Surface& surface, SurfaceFormat format,
                      const RunContext& context = {});
 
@@ -61,28 +62,30 @@ Result<TetFormat> tet_format_named(std::string_view name);
 // By extension: .mesh, .msh (4.1), .vtu, .node or .ele. Errors: usage.
 Result<TetFormat> tet_format_of(const std::string& path);
 
+// For TetGen the path may end in .node or .ele, and both files are written. Errors: io.
 Status write_tets(const std::string& path, const TetMesh& mesh, TetFormat format,
                   const RunContext& context = {});
 
 // Vertices and tets in file order; other elements are skipped. `surface_vertices` is 0. VTU: ASCII, inline
-// binary and raw appended, uncompressed.
+// binary and raw appended, uncompressed. The extension decides. Errors: usage (the extension), bad_input, io.
 Result<TetMesh> read_tets(const std::string& path, const RunContext& context = {});
 
-// Curves, for looking at: VTP (ParaView; one line cell a segment, what the structs of curves.h hold as data
-// of segments and points) and OBJ (one group with one `l` element a curve, no data).
+// Curves, to look at: VTP (for ParaView; one line cell per segment, with what curves.h says of segments and
+// points as data) and OBJ (one group with one `l` element per curve, no data).
 
 enum class CurveFormat { vtp, obj };
 
-// By extension. Errors: usage.
+// By extension: .vtp or .obj. Errors: usage.
 Result<CurveFormat> curve_format_of(const std::string& path);
+// Errors: io.
 Status write_curves(const std::string& path, const Curves& curves, CurveFormat format,
                     const RunContext& context = {});
 
-// A text as it is, for instance a report's JSON.
+// Writes a text as it is, for instance a report's JSON. Errors: io.
 Status write_text(const std::string& path, std::string_view text);
 
-// Whether there can be a file of this name: asked before hours of work. Nothing is left behind; a pipe is
-// kept open until this is destroyed, since who reads from it would take it for the end if it was closed.
+// Whether a file of this name can be written: to be asked before hours of work. Nothing is left behind. A
+// pipe is kept open until this object is destroyed: its reader would take closing it for the end.
 // Errors: io.
 class OutputProbe {
  public:
@@ -96,7 +99,7 @@ class OutputProbe {
   std::unique_ptr<AtomicFile> file_;
 };
 
-// Takes away what files that are being written have left so far. Only for who ends the program at once.
+// Removes the unfinished files that are being written. Only for programs that are about to end at once.
 void remove_unfinished_files();
 
 }  // namespace overtet

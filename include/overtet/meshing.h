@@ -2,13 +2,14 @@
 //
 // Guaranteed of every mesh that is handed out, decided exactly on its doubles (verification.h has the rules):
 // the surface's vertices come first, in their order and unmoved to the last bit; the boundary faces are the
-// surface's faces, as they turn; every tet is positive; the tets form a 3-manifold with boundary, and around
-// every interior edge they make exactly one turn. Tets overlap in space where the surface does. With
+// surface's faces, with its orientation; every tet is positive; the tets form a 3-manifold with boundary, and
+// around every interior edge they make exactly one turn. Tets overlap in space where the surface does. With
 // OnInfeasible::repair all of this holds for the surface with the vertices in `moved` at their new places.
 //
 // Same surface and options: same mesh, to the byte, on any number of threads, as long as no deadline cuts the
-// quality pass short (which is logged). Source: Sacht et al., "Consistent Volumetric Discretizations Inside
-// Self-Intersecting Surfaces", 2013; docs/ has what is new here.
+// stage short (which is logged). Source: Sacht et al., "Consistent Volumetric Discretizations Inside
+// Self-Intersecting Surfaces", 2013: section 3, equations 1 to 3, for what a mesh must satisfy, sections 3
+// and 4 for the flow route. docs/immersion.md derives the immersion route.
 #pragma once
 
 #include <string>
@@ -23,8 +24,8 @@
 namespace overtet {
 
 enum class Preset {
-  standard,  // immersion first, flows where that finds nothing
-  flow       // the paper's route only
+  standard,  // the immersion route, then the flow route if that finds no mesh
+  flow       // the flow route only
 };
 enum class OnInfeasible { reject, repair };
 
@@ -32,11 +33,11 @@ struct MeshingOptions {
   Preset preset = Preset::standard;
   OnInfeasible on_infeasible = OnInfeasible::reject;
   double max_repair_move = 0.06;  // of a vertex, relative to the diagonal of the bounding box; up to 1
-  double improve_degrees = 17;  // smallest dihedral angle that the quality pass aims at, up to 40; 0: no pass
+  double improve_degrees = 17;  // smallest dihedral angle that the quality pass aims at, 0 to 40; 0: no pass
   std::string save_stages;      // folder for the intermediate states; empty: none
   std::string resume;           // folder to take them from; empty: none
 
-  Status validate() const;
+  Status validate() const;  // Errors: usage.
 };
 
 struct Meshing {
@@ -47,7 +48,8 @@ struct Meshing {
   std::string hash;              // of the mesh's vertices and tets: 16 hexadecimal digits
 };
 
-// report: what the run did, also where there is no mesh; its `options` and `input.format` are the caller's.
+// report: receives what the run did, even if there is no mesh. The caller fills in its `options`,
+// `input.format` and `input.notes`.
 // Errors: usage (options), bad_input (the message names the element), infeasible (Error::certificate has the
 // proof), unsolved, limit, interrupted, io (stages), internal. Never throws.
 Result<Meshing> tetrahedralize(const Surface& surface, const MeshingOptions& options = {},

@@ -1,4 +1,5 @@
-// What a run says about itself, as data and as JSON (the contract is in the README: "The report").
+// What a run says about itself, as data and as JSON. The README ("The report") says what the keys mean,
+// docs/report.schema.json is their schema. Vertices are counted from 0.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +20,7 @@ enum class RunStatus { exact, repaired, infeasible, unsolved, bad_input, limit, 
 const char* name_of(RunStatus status);  // as in the report, for instance "bad-input"
 RunStatus status_of(ErrorCode code);    // of a run that ended with such an error
 
-// A figure of a report: shown under its name.
+// A number or a word of a report, under its key.
 using Figure = std::pair<std::string, std::variant<std::int64_t, double, std::string, bool>>;
 
 struct StageRecord {

@@ -15,8 +15,8 @@ namespace overtet {
 
 enum class ErrorCode {
   usage = 2,       // the options contradict each other or are out of range
-  bad_input = 3,   // the surface cannot be what this program needs; the message names the element
-  unsolved = 4,    // feasible as far as anyone can tell, but no mesh was found
+  bad_input = 3,   // the input is not a surface that can be meshed; the message names the element
+  unsolved = 4,    // no mesh was found, and nothing proves that there is none
   infeasible = 5,  // no such mesh exists; the certificate says why
   limit = 6,       // the time or memory limit was reached
   io = 7,          // a file could not be read or written
@@ -27,15 +27,15 @@ enum class ErrorCode {
 // What more is known of an error, where that decides what is tried or advised next.
 enum class ErrorReason {
   none,
-  exhausted,    // of `unsolved`: everything that could be a solution has been tried; no other way finds one
-  endless,      // of `unsolved`: the work allowed was used up; nothing is known of what would have come of it
+  exhausted,    // of `unsolved`: every possible solution has been tried; no other route finds one
+  endless,      // of `unsolved`: the work allowed was used up; more work might have found a mesh
   time_limit,   // of `limit`: the context's deadline
   memory_limit  // of `limit`: the context's memory_limit_bytes
 };
 
 struct Error {
   ErrorCode code = ErrorCode::internal;
-  std::string message;  // one sentence that tells the user what is wrong and what to do
+  std::string message;  // for the user, on one line: what is wrong, where, and what to do about it
   // Where, if it is in one place: in the coordinates of the geometry that the function was given.
   std::optional<std::array<double, 3>> place = std::nullopt;
   ErrorReason reason = ErrorReason::none;

@@ -1,6 +1,6 @@
 // Is a tet mesh what Overtet promises for a surface? Decided exactly, on the doubles given.
 //
-// Checked (Sacht et al. 2013, section 3 and 4, made exact):
+// Checked (Sacht et al. 2013, section 3, equations 1 to 3, made exact):
 //
 //   R1  every coordinate is finite, every index in range, every vertex used
 //   R2  vertex i of the tet mesh is vertex i of the surface, unmoved
@@ -55,7 +55,7 @@ struct VerifyResult {
   std::int64_t surface_vertices = 0, surface_faces = 0, vertices = 0, tets = 0, boundary_faces = 0;
   std::int64_t moved_vertices = 0;
   double max_move = 0;   // relative to the diagonal
-  bool complete = true;  // false: stopped by the context, the answer is unknown
+  bool complete = true;  // false: stopped by the context; the answer is unknown
 
   bool ok() const { return complete && failures.empty(); }
   bool fails(Rule rule) const;

@@ -3,8 +3,8 @@
 Usage: check_witness SURFACE REPORT.json
 
 SURFACE: OFF, OBJ, PLY or STL, triangles. REPORT.json: of `overtet mesh --report` (or the bare witness).
-Exit code: 0 the witness proves that no mesh exists, 1 it does not, 2 something could not be read, 3 nothing was decided,
-because a tool is missing or its answer does not hold.
+Exit code: 0 the witness proves that no mesh exists, 1 it does not, 2 something could not be read, 3 undecided,
+because a tool is missing or its answer does not hold. Python needs numpy (Debian's package `python3-numpy`).
 
 Witnesses:
 
@@ -19,19 +19,19 @@ Witnesses:
   {"rule": "crowded", "vertices": [v], "B0": [b]}
                                         the edges of the vertex cannot take the turns that B0 asks for
   {"rule": "link", "vertices": [v], "B0": [b]}
-                                        no tets fill what is around the vertex, whatever its edges turn
+                                        no tets fill the space around the vertex, whatever turns its edges make
   {"rule": "shared", "vertices": [v, ...], "layers": [l, ...], "room": c}
                                         at the place of these vertices, and of whatever else passes through it, tets need
                                         more layers than the winding number has room for
   {"rule": "stack", "face": f, "place": [x, y, z], "vertices": [...], "moves": [...], "winding": w}
-                                        coplanar faces lie on each other; however little these vertices move, each so
-                                        many times the normal of the face, the winding number there becomes w < 0
+                                        coplanar faces lie on each other; if each vertex moves by its multiple of the
+                                        normal of the face, however scaled down, the winding number becomes w < 0
   {"rule": "gluing", "pairs": [[f, g], ...], "layers": [m, ...], "edges": [[a, b], ...]}
                                         no way to glue the layers of a solid is right around all the curves in
                                         which these faces cross and at these edges
 
-That of `unpaired` may have a key "apart": [x, y, z]. It then is about the component of the vertices named (B0, too),
-moved from the rest of the surface by as little as you like in this direction.
+That of `unpaired` may have a key "apart": [x, y, z]. It then concerns only the component of the vertices named (and so
+does B0), moved away from the rest of the surface in this direction, however little.
 
 Each rule is a module of rules/, which says why it is a proof.
 

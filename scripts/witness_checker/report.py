@@ -26,9 +26,9 @@ def check(surface_path, report_path):
     surface = Surface(*read_surface(surface_path))
     rule = rule_of(witness)
     if rule not in RULES:
-        raise Unreadable(f"{report_path}: a kind of witness that is not known here")
+        raise Unreadable(f"{report_path}: the rule of the witness is unknown")
     if "apart" in witness and rule != "unpaired":
-        raise Unreadable("no witness of this rule can be about a component that has moved")
+        raise Unreadable("a witness of this rule cannot have the key 'apart'")
     return RULES[rule].check(surface, witness)
 
 

@@ -30,7 +30,7 @@ Index FaceCuts::half(Index f, Index x, Index y) const {
   const auto at = std::lower_bound(begin, end, std::make_pair(x, y), [](const Half& h, const auto& key) {
     return std::make_pair(h.from, h.to) < key;
   });
-  if (at == end || at->from != x || at->to != y) throw Degenerate{"the parts of a face do not fit"};
+  if (at == end || at->from != x || at->to != y) throw Degenerate{"the parts of a face do not fit together"};
   return static_cast<Index>(at - halves.begin());
 }
 
@@ -112,7 +112,7 @@ void FaceCuts::find_triples(const exact::Rays& rays) {
       if (cut.faces.empty()) continue;
       if (!cut.plain || cut.faces.size() > 1)
         throw Degenerate{name(s.faces.first, s.faces.second) + " and " + std::to_string(cut.faces[0]) +
-                         " meet in an odd way"};
+                         " meet in special position"};
       std::array<Index, 3> faces{s.faces.first, s.faces.second, cut.faces[0]};
       if (faces[2] < faces[1]) continue;  // found from the first two
       const Vec &a = graph_.position(s.node[0]).x, &b = graph_.position(s.node[1]).x;

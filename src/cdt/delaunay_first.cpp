@@ -381,7 +381,7 @@ std::optional<Error> DelaunayFirst::fill_the_rest() {
     before.push_back(before.back() + static_cast<std::int64_t>(walls.size() + cavities_[c].facets.size()));
   }
   if (static_cast<double>(before.back()) > options_.most_left * static_cast<double>(plc_.F.rows()))
-    return unsolved("Most facets are no faces of Delaunay tets.");
+    return unsolved("Most facets are not faces of the Delaunay tets.");
   const std::int64_t count = std::clamp<std::int64_t>(before.back() / kFacetsPerPiece, 1, kMostPieces);
   std::vector<std::vector<Index>> lots(count);
   for (std::size_t i = 0; i < left.size(); ++i)
@@ -446,7 +446,7 @@ std::optional<Error> DelaunayFirst::check_rows(const Piece& piece) {
     ++parts[source];
     if (row.wall >= 0 &&
         sorted(std::array<Index, 3>{r.facets(i, 0), r.facets(i, 1), r.facets(i, 2)}) != piece.local(row.key))
-      return unsolved("TetGen split a face that must stay.");
+      return unsolved("TetGen split a face that must stay whole.");
   }
   if (std::find(parts.begin(), parts.end(), 0) != parts.end()) return unsolved("TetGen lost a face.");
   return std::nullopt;

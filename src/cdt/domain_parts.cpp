@@ -149,12 +149,13 @@ class Parts {
 
 Result<TetgenResult> Parts::run() {
   const Index facets = static_cast<Index>(facets_.size());
-  if (facets < per_part_ / 2) return unsolved("Too few facets for parts.");
+  if (facets < per_part_ / 2) return unsolved("There are too few facets to cut them into parts.");
   const Index count = 2 * std::max<Index>(1, facets / (2 * per_part_));  // even: two threads get as much each
   std::vector<char> used(plc_.V.rows(), 0);
   for (const Triple& f : facets_)
     for (const Index v : f) used[v] = 1;
-  if (std::find(used.begin(), used.end(), 0) != used.end()) return unsolved("Some points are on no facet.");
+  if (std::find(used.begin(), used.end(), 0) != used.end())
+    return unsolved("Some points belong to no facet.");
   find_clumps();
   find_outside();
   Part whole;

@@ -88,7 +88,7 @@ namespace {
 
 bool settled(const Result<TetgenResult>& r) { return r.ok() || r.error().code != ErrorCode::unsolved; }
 
-Error too_many() { return Error{ErrorCode::unsolved, "TetGen has failed on these facets often enough."}; }
+Error too_many() { return Error{ErrorCode::unsolved, "TetGen failed on these facets too many times."}; }
 
 Result<TetgenResult> shuffled(const Plc& plc, const TetgenOptions& options, const RunContext& context,
                               Attempts& attempts) {
@@ -122,7 +122,7 @@ Result<TetgenResult> tetrahedralize_split(const Plc& plc, const TetgenOptions& o
       for (Index& f : result.value().facet_sources) f = source[f];
     if (settled(result)) return result;
   }
-  return Error{ErrorCode::unsolved, "TetGen failed with edges cut in half as well."};
+  return Error{ErrorCode::unsolved, "TetGen also failed with edges cut in half."};
 }
 
 Result<TetgenResult> tetrahedralize_shuffled(const Plc& plc, const TetgenOptions& options,

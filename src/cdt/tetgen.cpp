@@ -182,7 +182,7 @@ std::string vertex_list(const std::vector<Index>& ids) {
 Status check_input(const Plc& plc) {
   const Eigen::Index n = plc.V.rows();
   if (n < 4 || plc.F.rows() < 4)
-    return Error{ErrorCode::bad_input, "Fewer than 4 vertices or facets bound no volume."};
+    return Error{ErrorCode::bad_input, "A closed surface has at least 4 vertices and 4 facets."};
   if (!plc.V.allFinite() || !plc.holes.allFinite())
     return Error{ErrorCode::bad_input, "A coordinate is not finite."};
   if (!plc.markers.empty() && plc.markers.size() != static_cast<std::size_t>(plc.F.rows()))
@@ -319,10 +319,11 @@ std::optional<Error> refusal(const Reply& reply) {
                           ? "TetGen found features below its tolerance."
                           : "TetGen gave up (its code " + std::to_string(reply.tetgen_code) + ").");
     case Outcome::endless:
-      return Error{ErrorCode::unsolved, "TetGen's flips did not come to an end.", std::nullopt,
+      return Error{ErrorCode::unsolved, "TetGen's flips did not end within the work allowed.", std::nullopt,
                    ErrorReason::endless};
     case Outcome::protocol:
-      return Error{ErrorCode::internal, "overtet-tetgen did not understand its input."};
+      return Error{ErrorCode::internal,
+                   "overtet-tetgen did not understand its input; is it of another version?"};
   }
   return std::nullopt;
 }

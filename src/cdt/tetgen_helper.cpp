@@ -30,7 +30,7 @@ Result<std::string> tetgen_helper(const RunContext& context) {
   if (!context.tetgen_helper.empty()) {
     if (runs(context.tetgen_helper)) return context.tetgen_helper;
     return Error{ErrorCode::internal,
-                 "The program overtet-tetgen cannot be run as " + context.tetgen_helper + "."};
+                 "Cannot run the program overtet-tetgen as " + context.tetgen_helper + "."};
   }
   const std::string beside_program = folder_of(running_program()), beside_library = folder_of(this_library());
   for (const std::string& path :

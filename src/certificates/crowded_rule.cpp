@@ -11,11 +11,9 @@ Finding find_crowded(Case& c) {
 }
 
 std::string explain(const CrowdedCertificate& c) {
-  return "No positive mesh exists: at vertex " + std::to_string(c.vertex) + " the integer B0 is " +
-         std::to_string(c.B0) +
-         ", and its edges cannot turn that often beyond what they show: too few of them are covered all "
-         "along "
-         "on their outer side.";
+  return "No mesh exists: vertex " + std::to_string(c.vertex) + " at " + place_text(c.position) +
+         " has B0 = " + std::to_string(c.B0) +
+         ", and too few of its edges are covered to take the extra turns that this needs.";
 }
 
 Fields fields(const CrowdedCertificate& c) { return vertex_fields(c.vertex, c.B0, c.position); }

@@ -70,14 +70,14 @@ void conclude(Diagnosis& d) {
   } else if (d.winding.min < 0) {
     d.verdict = Verdict::infeasible;
     d.message =
-        "No positive mesh exists: the winding number is negative somewhere, but no point could be named.";
+        "No mesh exists: the winding number is negative somewhere, but Overtet could not name a point there.";
   } else if (d.pairs.empty()) {
     d.verdict = Verdict::embedded;
     d.message = "No two faces intersect.";
   } else {
     d.verdict = Verdict::feasible;
     d.message = count(d.pairs.size(), "pair of faces intersects", "pairs of faces intersect") +
-                "; nothing forbids a mesh that overlaps itself there.";
+                "; nothing found rules out a mesh that overlaps itself there.";
   }
 }
 
@@ -86,9 +86,9 @@ std::string what_is_malformed(const Surface& surface, const Facts& facts) {
   const Index f = facts.degenerate_faces.front();
   return "Face " + std::to_string(f) + " (vertices " + std::to_string(surface.F(f, 0)) + ", " +
          std::to_string(surface.F(f, 1)) + ", " + std::to_string(surface.F(f, 2)) +
-         ", counted from 0) has no area, and no tet of positive volume has such a face" +
+         ", counted from 0) has no area, so no tet with volume can have it as a face" +
          (facts.degenerate_faces.size() > 1
-              ? "; there are " + std::to_string(facts.degenerate_faces.size()) + "."
+              ? "; " + std::to_string(facts.degenerate_faces.size()) + " faces have none."
               : ".");
 }
 
@@ -102,36 +102,39 @@ void advise(Diagnosis& d) {
   if (d.verdict == Verdict::bad_input) {
     for (const std::string& problem : d.topology.problems) say(problem);
     if (!d.degenerate_faces.empty())
-      say("Move a corner of each face without area, or remove the face by collapsing its shortest edge.");
+      say("Move a corner of each face without area, or collapse the shortest edge of the face.");
     return;
   }
   for (std::size_t c = 0; c < d.component_volume.size(); ++c)
     if (d.component_volume[c] < 0)
       say("Component " + std::to_string(c) + " (face " +
           std::to_string(d.topology.topology.components[c].first_face) +
-          " is in it) faces inwards: right for a cavity inside another component, else reverse its faces.");
+          " is in it) faces inwards. For a cavity inside another component this is right; otherwise reverse "
+          "its faces.");
   if (d.verdict == Verdict::infeasible && d.winding.negative_pairs > 0)
     say("The surface is inside out in " + std::to_string(d.winding.negative_pairs) +
         " places where faces cross: one part pokes out through the far side of another, or a crease is "
-        "turned "
-        "inside out. Move it back until it stays inside.");
+        "turned inside out. Move it back inside.");
   if (d.verdict == Verdict::infeasible && d.winding.negative_pairs == 0 && holds<WindingCertificate>(d))
     say("A whole component faces inwards where nothing surrounds it: reverse its faces.");
   if (const Hinge* hinge = clearest_negative(d.hinges))
     say("Around vertex " + std::to_string(hinge->vertex) +
-        " the surface folds back on itself. Smooth its one-ring until its faces stop crossing.");
+        " the surface folds back on itself. Smooth its one-ring until its faces no longer cross.");
   if (d.wound.forbidden())
-    say("The faces at these vertices cross each other, and no edge there can take the extra turn. Smooth the "
-        "one-ring until its faces stop crossing, or split its edges where other faces cross them.");
+    say("At the hinges that forbid a mesh, no edges can take the extra turns. Smooth their one-rings until "
+        "the "
+        "faces no longer cross, or split their edges where other faces cross them.");
   if (holds<StackCertificate>(d))
-    say("Move the faces apart that lie on each other there; where a part was pressed flat, its folds have no "
+    say("Move apart the faces that lie on each other there; if something was pressed flat, give its folds "
+        "some "
         "thickness.");
   if (d.verdict == Verdict::feasible && !d.hinges.empty())
     say(count(d.hinges.size(), "vertex has", "vertices have") +
-        " a one-ring that crosses itself (hinges): the hard case. Where it is an accident, smooth it.");
+        " a one-ring that crosses itself (a hinge), which is the hard case. Smooth it if it is there by "
+        "accident.");
   if (d.verdict == Verdict::feasible && !d.wound.complete())
-    say("No assignment of the extra turns was found at " + count(d.wound.unmet.size(), "hinge", "hinges") +
-        "; a mesh is unlikely there.");
+    say("No edges were found for the extra turns of " + count(d.wound.unmet.size(), "hinge", "hinges") +
+        "; a mesh is unlikely.");
   if (d.pairs_sharing_edge > 0)
     say(count(d.pairs_sharing_edge, "pair of neighbouring faces lies", "pairs of neighbouring faces lie") +
         " flat on each other: open these folds a little.");

@@ -12,8 +12,8 @@ Finding find_fold(Case& c) {
 }
 
 std::string explain(const FoldCertificate& c) {
-  return "No positive mesh exists: at vertex " + std::to_string(c.vertex) +
-         " two faces lie flat on each other (or as good as), with no room for a tet between them.";
+  return "No mesh exists: at vertex " + std::to_string(c.vertex) + ", at " + place_text(c.position) +
+         ", two faces lie flat on each other, or almost, and leave no room for a tet between them.";
 }
 
 Fields fields(const FoldCertificate& c) { return vertex_fields(c.vertex, c.B0, c.position); }

@@ -14,13 +14,14 @@ Finding find_gluing(Case& c) {
 }
 
 std::string explain(const GluingCertificate& c) {
-  std::string text = "No positive mesh exists: the sheets of the solid cannot be glued without a branch line";
+  std::string text = "No mesh exists: the layers of the solid cannot be glued without a branch line";
   if (!c.crossings.empty())
     text += " where faces " + std::to_string(c.crossings[0].faces[0]) + " and " +
-            std::to_string(c.crossings[0].faces[1]) + " cross" +
-            (c.crossings.size() > 1
-                 ? " and at " + std::to_string(c.crossings.size() - 1) + " other crossings at once"
-                 : "");
+            std::to_string(c.crossings[0].faces[1]) + " cross near " + place_text(c.crossings[0].position) +
+            (c.crossings.size() == 1 ? ""
+             : c.crossings.size() == 2
+                 ? ", together with 1 other crossing"
+                 : ", together with " + std::to_string(c.crossings.size() - 1) + " other crossings");
   return text + ".";
 }
 

@@ -11,10 +11,10 @@ Finding find_link(Case& c) {
 }
 
 std::string explain(const LinkCertificate& c) {
-  return "No positive mesh exists: at vertex " + std::to_string(c.vertex) + " the integer B0 is " +
-         std::to_string(c.B0) +
-         ", and no tets fill its surroundings: the polygon in which its faces meet a small sphere bounds no "
-         "disc that turns only at edges covered all along.";
+  return "No mesh exists: no tets fill the space around vertex " + std::to_string(c.vertex) + " at " +
+         place_text(c.position) + ", where B0 = " + std::to_string(c.B0) +
+         ": the polygon in which its faces meet a small sphere bounds no disc that makes extra turns only at "
+         "covered edges.";
 }
 
 Fields fields(const LinkCertificate& c) { return vertex_fields(c.vertex, c.B0, c.position); }

@@ -16,10 +16,10 @@ Finding find_separated(Case& c) {
 }
 
 std::string explain(const SeparatedCertificate& c) {
-  return "No positive mesh exists: the part of the surface with vertex " +
-         std::to_string(c.vertices.front()) + " (B0 = " + std::to_string(c.B0.front()) +
-         " there) has none, and moved away from the others by as little as one likes, it gets nothing from "
-         "them that would help.";
+  return "No mesh exists: the component with vertex " + std::to_string(c.vertices.front()) + " at " +
+         place_text(c.positions.front()) + ", where B0 = " + std::to_string(c.B0.front()) +
+         ", has none by itself, and the components that it touches do not help: moved apart from them, "
+         "however little, they cover none of the edges in question.";
 }
 
 Fields fields(const SeparatedCertificate& c) {

@@ -11,9 +11,9 @@ Finding find_shared(Case& c) {
 }
 
 std::string explain(const SharedCertificate& c) {
-  return "No positive mesh exists: around vertex " + std::to_string(c.vertices.front()) +
-         " and what else passes through its place no tets fill the space, with as many layers as the winding "
-         "numbers have room for.";
+  return "No mesh exists: all that passes through " + place_text(c.positions.front()) +
+         ", the place of vertex " + std::to_string(c.vertices.front()) +
+         ", needs more layers of tets there than the winding numbers leave room for.";
 }
 
 Fields fields(const SharedCertificate& c) {

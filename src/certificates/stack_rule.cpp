@@ -11,9 +11,10 @@ Finding find_stack(Case& c) {
 }
 
 std::string explain(const StackCertificate& c) {
-  return "No positive mesh exists: at " + place_text(c.point) + " face " + std::to_string(c.face) +
-         " and others lie on each other so that moves of their vertices, however small, turn what is between "
-         "them inside out.";
+  return "No mesh exists: at " + place_text(c.point) + " face " + std::to_string(c.face) +
+         " and other faces lie on each other in an order that certain moves of their vertices, however "
+         "small, "
+         "turn inside out.";
 }
 
 Fields fields(const StackCertificate& c) {

@@ -13,13 +13,15 @@ Finding find_unpaired(Case& c) {
 }
 
 std::string explain(const UnpairedCertificate& c) {
-  return "No positive mesh exists: at vertex " + std::to_string(c.vertices.front()) + " the integer B0 is " +
-         std::to_string(c.B0.front()) +
+  return "No mesh exists: vertex " + std::to_string(c.vertices.front()) + " at " +
+         place_text(c.positions.front()) + " has B0 = " + std::to_string(c.B0.front()) +
          (c.vertices.size() == 1
-              ? ", so an odd number of its edges would have to turn once more than they show, and the edges "
-                "whose outer side is covered all along lead from there to no other such vertex."
-              : ", and the " + std::to_string(c.vertices.size()) +
-                    " vertices with odd B0 that covered edges join to it cannot be paired.");
+              ? ", an odd number, so its edges must make an odd number of extra turns, but covered edges "
+                "join "
+                "it to no other vertex with odd B0."
+              : ", an odd number, and belongs to a group of " + std::to_string(c.vertices.size()) +
+                    " such vertices that covered edges join to each other only; an odd number of them cannot "
+                    "be paired.");
 }
 
 Fields fields(const UnpairedCertificate& c) {

@@ -10,8 +10,9 @@ Finding find_vertex(Case& c) {
 }
 
 std::string explain(const VertexCertificate& c) {
-  return "No positive mesh exists: at vertex " + std::to_string(c.vertex) + " the integer B0 is " +
-         std::to_string(c.B0) + ", and no positive tets fill the space around such a vertex.";
+  return "No mesh exists: vertex " + std::to_string(c.vertex) + " at " + place_text(c.position) +
+         " has B0 = " + std::to_string(c.B0) +
+         ", and positive tets cannot fill the space around a vertex with negative B0.";
 }
 
 Fields fields(const VertexCertificate& c) {

@@ -22,8 +22,8 @@ Finding find_winding(Case& c) {
 }
 
 std::string explain(const WindingCertificate& c) {
-  return "No positive mesh exists: the winding number at " + place_text(c.point) + " is " +
-         std::to_string(c.winding) + ", and positive tets only ever add winding.";
+  return "No mesh exists: the winding number at " + place_text(c.point) + " is " + std::to_string(c.winding) +
+         ", and positive tets cannot make it negative.";
 }
 
 Fields fields(const WindingCertificate& c) {

@@ -22,16 +22,20 @@ LogLevel level_named(const std::string& name) {
 }
 
 void add_common(CLI::App& command, CommonOptions& o) {
-  command.add_option("--threads", o.threads, "Threads to use (default: all cores)")
+  command
+      .add_option("--threads", o.threads,
+                  "Number of threads (default: all cores); the result does not depend on it")
       ->check(CLI::Range(1, 4096));
-  command.add_option("--time-limit", o.time_limit, "Seconds after which to give up (exit 6)")
+  command.add_option("--time-limit", o.time_limit, "Give up after this many seconds (exit 6)")
       ->check(CLI::PositiveNumber);
   command
       .add_option("--memory-limit", o.memory_limit,
-                  "MiB that the program and its children may use together (exit 6; default: what is free)")
+                  "MiB that the program and its child processes may use together (exit 6 if they need more; "
+                  "default: 90 "
+                  "% of what is free)")
       ->check(CLI::PositiveNumber);
-  command.add_flag("--quiet,-q", o.quiet, "Say nothing but errors");
-  command.add_option("--log-level", o.log_level, "error, warning, info or debug")
+  command.add_flag("--quiet,-q", o.quiet, "Print errors only");
+  command.add_option("--log-level", o.log_level, "Which messages to print: error, warning, info or debug")
       ->check(CLI::IsMember({"error", "warning", "info", "debug"}))
       ->capture_default_str();
 }
@@ -39,69 +43,78 @@ void add_common(CLI::App& command, CommonOptions& o) {
 int parse_and_run(int argc, char** argv) {
   CLI::App app(
       "Overtet makes tetrahedral meshes of closed triangle surfaces that pass through themselves: every "
-      "input "
-      "triangle is a boundary face, every tet is positive, and the mesh overlaps itself where the surface "
-      "does.",
+      "input triangle is a boundary face, every tet is positive, and the mesh overlaps itself where the "
+      "surface does.",
       "overtet");
   app.require_subcommand(1);
   app.set_version_flag("--version", "overtet " + version());
   app.footer(
-      "Exit codes: 0 done, 2 usage, 3 bad input, 4 unsolved, 5 infeasible (a witness is in the report), "
-      "6 time or memory limit, 7 I/O, 70 internal error, 130 interrupted.");
+      "Exit codes: 0 done, 2 usage, 3 bad input, 4 unsolved (verify: the mesh is wrong), 5 infeasible (the "
+      "report has a witness), 6 time or memory limit, 7 a file cannot be read or written, 70 internal error, "
+      "130 interrupted.");
 
   CommonOptions common;
   MeshCommand mesh;
   CLI::App* mesh_app = app.add_subcommand("mesh", "Make a tet mesh of a surface");
   mesh_app->add_option("INPUT", mesh.input, "Surface: .obj, .off, .ply or .stl")->required();
-  mesh_app->add_option("--output,-o", mesh.output, "Tet mesh: .mesh, .msh, .vtu, or .node (with .ele)")
+  mesh_app
+      ->add_option("--output,-o", mesh.output,
+                   "Tet mesh: .mesh, .msh, .vtu, or .node or .ele (both are written)")
       ->required();
   mesh_app
-      ->add_option("--format", mesh.format,
-                   "medit, msh22, msh41, vtu or tetgen (default: by the output's name)")
+      ->add_option(
+          "--format", mesh.format,
+          "medit, msh22, msh41, vtu or tetgen (default: by the extension of the output; .msh: msh41)")
       ->check(CLI::IsMember({"medit", "msh22", "msh41", "vtu", "tetgen"}));
-  mesh_app->add_option("--report", mesh.report, "Write a report (JSON), also when there is no mesh");
-  mesh_app->add_option("--on-infeasible", mesh.on_infeasible, "reject or repair")
+  mesh_app->add_option("--report", mesh.report, "Write a JSON report to this file, even if no mesh is made");
+  mesh_app
+      ->add_option("--on-infeasible", mesh.on_infeasible,
+                   "If no mesh exists: reject the surface, or repair it by moving a few vertices")
       ->check(CLI::IsMember({"reject", "repair"}))
       ->capture_default_str();
   mesh_app
-      ->add_option(
-          "--preset", mesh.preset,
-          "default: without flows where that works; flow (or paper): flows and a volumetric map only")
+      ->add_option("--preset", mesh.preset,
+                   "default: the immersion route, then the flow route if that finds no mesh; flow (or "
+                   "paper): the flow route only")
       ->check(CLI::IsMember({"default", "flow", "paper"}))
       ->capture_default_str();
   mesh_app
       ->add_option("--improve", mesh.improve_degrees,
-                   "Smallest dihedral angle to aim at, in degrees; 0: no quality pass")
+                   "Smallest dihedral angle that the quality pass aims at, in degrees; 0: no quality pass")
       ->check(CLI::Range(0.0, 40.0))
       ->capture_default_str();
-  mesh_app->add_option("--save-stages", mesh.save_stages, "Folder for the intermediate states");
-  mesh_app->add_option("--resume", mesh.resume, "Folder of an earlier --save-stages to continue from");
+  mesh_app->add_option("--save-stages", mesh.save_stages, "Save the intermediate states in this folder");
+  mesh_app->add_option("--resume", mesh.resume,
+                       "Continue from the states that --save-stages left in this folder");
   add_common(*mesh_app, common);
 
   InspectCommand inspect;
   CLI::App* inspect_app =
-      app.add_subcommand("inspect", "Say what a surface is like and whether it can be meshed");
+      app.add_subcommand("inspect", "Describe a surface and say whether it can be meshed");
   inspect_app->add_option("INPUT", inspect.input, "Surface: .obj, .off, .ply or .stl")->required();
-  inspect_app->add_flag("--json", inspect.json, "As JSON");
+  inspect_app->add_flag("--json", inspect.json, "Print JSON");
   inspect_app->add_flag("--pairs", inspect.pairs, "List the intersecting pairs of faces");
   inspect_app->add_flag("--curves", inspect.curves,
-                        "With --json: every point of the curves, with its two places on the surface");
+                        "With --json: list every point of the curves, with its two places on the surface");
   inspect_app->add_option("--save-curves", inspect.save_curves,
-                          "Write the curves in which the surface crosses itself: .vtp or .obj");
+                          "Write the curves in which the surface crosses itself to this file: .vtp or .obj");
   add_common(*inspect_app, common);
 
   RepairCommand repair;
   CLI::App* repair_app = app.add_subcommand(
-      "repair", "Move a few vertices of a surface a little, so that a tet mesh of it exists, and make that");
+      "repair", "Move a few vertices of a surface a little so that a tet mesh exists, and make that mesh");
   repair_app->add_option("INPUT", repair.input, "Surface: .obj, .off, .ply or .stl")->required();
   repair_app
       ->add_option("--output,-o", repair.output,
                    "Tet mesh: .mesh, .msh, .vtu, .node or .ele; or the repaired surface: .off, .obj or .ply")
       ->required();
-  repair_app->add_flag("--surface-only", repair.surface_only, "Write the repaired surface, make no mesh");
-  repair_app->add_option("--report", repair.report, "Write a JSON report (with a tet mesh only)");
+  repair_app->add_flag("--surface-only", repair.surface_only,
+                       "Write the repaired surface instead of a tet mesh");
+  repair_app->add_option("--report", repair.report,
+                         "Write a JSON report to this file (only if a tet mesh is made)");
   repair_app
-      ->add_option("--max-move", repair.max_move, "Largest move of a vertex, in percent of the diagonal")
+      ->add_option("--max-move", repair.max_move,
+                   "Largest move of a vertex, in percent of the diagonal of the bounding box")
       ->check(CLI::Range(1e-6, 100.0))
       ->capture_default_str();
   add_common(*repair_app, common);
@@ -112,9 +125,10 @@ int parse_and_run(int argc, char** argv) {
   verify_app->add_option("TETMESH", verify.mesh, "Tet mesh: .mesh, .msh, .vtu, .node or .ele")->required();
   verify_app
       ->add_option("--max-move", verify.max_move,
-                   "Allow surface vertices to have moved by this part of the diagonal")
+                   "Largest move to allow a vertex of the surface, as a fraction of the diagonal of the "
+                   "bounding box (0.06: 6 %)")
       ->check(CLI::NonNegativeNumber);
-  verify_app->add_flag("--json", verify.json, "As JSON");
+  verify_app->add_flag("--json", verify.json, "Print JSON");
   add_common(*verify_app, common);
 
   try {
@@ -123,7 +137,7 @@ int parse_and_run(int argc, char** argv) {
     return app.exit(e);  // --help, --version
   } catch (const CLI::ParseError& e) {
     Terminal terminal(LogLevel::warning, false);
-    return fail(terminal, {ErrorCode::usage, std::string(e.what()) + " (see overtet --help)"});
+    return fail(terminal, {ErrorCode::usage, std::string(e.what()) + " (see overtet --help)."});
   }
   Terminal terminal(common.quiet ? LogLevel::error : level_named(common.log_level), common.quiet);
   install_signal_handlers();

@@ -167,8 +167,8 @@ void print_hinges(const Findings& f) {
   for (std::size_t h = 0; h < d.hinges.size() && h < kListed; ++h) {
     const HingeDiagnosis& hinge = d.hinges[h];
     std::printf(
-        "            vertex %d at %s: B0 %s, %zu crossings in its link, covering %d; levels outside its "
-        "edges",
+        "            vertex %d at %s: B0 %s, %zu crossings in its link, winding number at least %d "
+        "around it; levels along its edges",
         hinge.vertex, text_of(position(f.surface, hinge.vertex)).c_str(),
         hinge.B0 ? std::to_string(*hinge.B0).c_str() : "not defined", hinge.crossings.size(), hinge.covering);
     const char* comma = "";
@@ -182,7 +182,7 @@ void print_hinges(const Findings& f) {
     std::printf("\n");
   }
   if (d.hinges.size() > kListed)
-    std::printf("            and %zu hinges more (--json lists all)\n", d.hinges.size() - kListed);
+    std::printf("            and %zu more hinges (--json lists all)\n", d.hinges.size() - kListed);
   for (std::size_t i = 0; i < d.odd_groups.size() && i < kListed; ++i) {
     std::printf("unpaired   ");
     for (const Index v : d.odd_groups[i]) std::printf(" %d", v);
@@ -193,13 +193,13 @@ void print_hinges(const Findings& f) {
   for (std::size_t i = 0; i < d.unfillable.size() && i < kListed; ++i)
     std::printf("unfillable  %d\n", d.unfillable[i]);
   if (d.wound_edges.empty()) return;
-  std::printf("wound       %zu edges with one turn more than they show, or as many as said:",
+  std::printf("wound       %zu edges with one extra turn, unless another number is given:",
               d.wound_edges.size());
   for (std::size_t i = 0; i < d.wound_edges.size() && i < kListed; ++i) {
     const ExtraTurns& e = d.wound_edges[i];
     std::printf("%s %d-%d from %s to %s", i > 0 ? "," : "", e.a, e.b,
                 text_of(position(f.surface, e.a)).c_str(), text_of(position(f.surface, e.b)).c_str());
-    if (e.k > 1) std::printf(" (%d turns)", e.k);
+    if (e.k > 1) std::printf(" (%d extra turns)", e.k);
   }
   std::printf("%s\n", d.wound_edges.size() > kListed ? ", ..." : "");
 }
@@ -224,9 +224,9 @@ void print_curves(const Curves& curves) {
         ends.c_str(), curve.segments.size(), curve.length, curve.winding_min, curve.winding_max,
         curve.segments[0].faces[0], curve.segments[0].faces[1], text_of(curve.nodes[0].position).c_str());
   }
-  if (n > kListed) std::printf("            and %zu curves more (--json lists all)\n", n - kListed);
+  if (n > kListed) std::printf("            and %zu more curves (--json lists all)\n", n - kListed);
   if (curves.triple_points() > 0)
-    std::printf("junctions   %d points where three strands or more meet, the first at %s\n",
+    std::printf("junctions   %d points where three or more strands meet, the first at %s\n",
                 curves.triple_points(),
                 text_of(std::find_if(curves.junctions.begin(), curves.junctions.end(),
                                      [](const Junction& j) { return j.strands.size() > 2; })
@@ -246,9 +246,9 @@ void print(const Findings& f) {
   for (std::size_t c = 0; c < components && c < kListed; ++c)
     std::printf("component   %d faces, genus %d%s\n", d.components[c].faces, d.components[c].genus,
                 d.components[c].signed_volume.value_or(0) < 0 ? ", faces inwards" : "");
-  if (components > kListed) std::printf("            and %zu components more\n", components - kListed);
+  if (components > kListed) std::printf("            and %zu more components\n", components - kListed);
   if (!d.degenerate_faces.empty())
-    std::printf("degenerate  %zu faces without area, the first is %d\n", d.degenerate_faces.size(),
+    std::printf("degenerate  %zu faces without area, the first of them face %d\n", d.degenerate_faces.size(),
                 d.degenerate_faces[0]);
   if (d.winding_min) {
     std::printf("crossings   %zu pairs of faces\n", d.pairs.size());
@@ -273,7 +273,8 @@ int run(const InspectCommand& command, const CommonOptions& common, Terminal& te
     if (!named) return fail(terminal, named.error());
     format = named.value();
     if (command.save_curves == command.input)
-      return fail(terminal, {ErrorCode::usage, "The input would be overwritten by the curves."});
+      return fail(terminal,
+                  {ErrorCode::usage, "The curves would overwrite the input; choose another name for them."});
   }
   const RunContext context = common.context(terminal);
   Watchdog watchdog(context.deadline, context.memory_limit_bytes,

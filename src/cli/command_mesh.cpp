@@ -104,10 +104,11 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
       command.format.empty() ? tet_format_of(command.output) : tet_format_named(command.format);
   if (!format) return fail(terminal, format.error());
   if (same_file(command.input, command.output) || same_file(command.input, command.report))
-    return fail(terminal,
-                {ErrorCode::usage, "The input would be overwritten; choose another name for the output."});
+    return fail(terminal, {ErrorCode::usage,
+                           "The output or the report would overwrite the input; choose another name."});
   if (same_file(command.output, command.report))
-    return fail(terminal, {ErrorCode::usage, "The output and the report have the same name."});
+    return fail(terminal, {ErrorCode::usage,
+                           "The output and the report have the same name; choose another for one of them."});
   OutputProbe output_probe, report_probe;
   if (Status s = output_probe.open(command.output); !s) return fail(terminal, s.error());
   if (!command.report.empty())

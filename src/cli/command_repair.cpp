@@ -18,10 +18,10 @@ int run(const RepairCommand& command, const CommonOptions& common, Terminal& ter
   }
   if (!format) return fail(terminal, format.error());
   if (!command.report.empty())
-    return fail(terminal, {ErrorCode::usage, "A report is written of a run that makes a tet mesh only."});
-  if (command.input == command.output)
     return fail(terminal,
-                {ErrorCode::usage, "The input would be overwritten; choose another name for the output."});
+                {ErrorCode::usage, "A report is written only if a tet mesh is made; leave out --report."});
+  if (command.input == command.output)
+    return fail(terminal, {ErrorCode::usage, "The output would overwrite the input; choose another name."});
   OutputProbe output;
   if (Status s = output.open(command.output); !s) return fail(terminal, s.error());
   const RunContext context = common.context(terminal);
@@ -40,10 +40,11 @@ int run(const RepairCommand& command, const CommonOptions& common, Terminal& ter
     return fail(terminal, s.error());
   terminal.clear();
   char most[96];
-  std::snprintf(most, sizeof most, "%.4f %% of the diagonal at most (%.4f in the mean).",
+  std::snprintf(most, sizeof most, "%.4f %% of the diagonal at most (%.4f on average).",
                 100 * r.max_relative_move, 100 * r.mean_relative_move);
   terminal.say(command.output + ": " + std::to_string(r.moved.size()) + " of " +
-               std::to_string(r.surface.V.rows()) + " vertices moved, by " + most + " It has a tet mesh.");
+               std::to_string(r.surface.V.rows()) + " vertices moved, by " + most +
+               " The surface has a tet mesh.");
   return 0;
 }
 

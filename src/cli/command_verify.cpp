@@ -60,8 +60,7 @@ int run(const VerifyCommand& command, const CommonOptions& common, Terminal& ter
   }
   if (std::fflush(stdout) != 0) return fail(terminal, {ErrorCode::io, "Cannot write to standard output."});
   if (r.ok()) return 0;
-  return fail(terminal,
-              {ErrorCode::unsolved, "The tet mesh is not what it should be: " + r.failures[0].message});
+  return fail(terminal, {ErrorCode::unsolved, "The tet mesh is wrong: " + r.failures[0].message});
 }
 
 }  // namespace overtet

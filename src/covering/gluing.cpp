@@ -271,7 +271,7 @@ class Checker {
         stack.pop_back();
         for (const auto& [other, jump] : links[s]) {
           if (known[other] && sheets_[other] != sheets_[s] + jump)
-            throw Degenerate{"winding numbers do not agree"};
+            throw Degenerate{"winding numbers disagree"};
           if (known[other]) continue;
           known[other] = 1;
           sheets_[other] = sheets_[s] + jump;
@@ -290,7 +290,7 @@ class Checker {
       if (const auto winding = in_front_of_both(cuts_.pieces[i])) spread(s, *winding);
     }
     for (Index s = 0; s < shells; ++s)
-      if (!known[s] || sheets_[s] < 0) throw Degenerate{"a winding number is not known, or negative"};
+      if (!known[s] || sheets_[s] < 0) throw Degenerate{"a winding number is unknown or negative"};
   }
 
   std::optional<int> just_in_front(Index f) const {

@@ -646,19 +646,20 @@ class Assigner {
     const Hinge& hinge = hinges_[hinge_at_[v]];
     std::string why;
     if (!hinge.B0) {
-      why = "its integer B0 is not defined (a fold, or another part of the surface touches it)";
+      why = "B0 is not defined there (the surface is folded flat, or another part of it touches the vertex)";
     } else if (*hinge.B0 < 0) {
-      why = "B0 = " + std::to_string(*hinge.B0) + " is negative, which no positive tets allow";
+      why = "B0 = " + std::to_string(*hinge.B0) + " is negative, which positive tets cannot make";
     } else {
       bool connected = false;
       for (std::size_t i = 0; i < ends.size(); ++i)
         if (hinges_[ends[i]].vertex == v)
           for (const double d : distance[i]) connected = connected || d < HUGE_VAL;
-      why = connected ? "the chains that could end there are too few or use up the same edges"
-                      : "no chain of edges whose outer side is covered leads from it to another hinge";
+      why = connected ? "too few chains of covered edges can end there, or they need the same edges"
+                      : "no chain of covered edges leads from it to another hinge";
     }
-    out.explanation = std::to_string(out.unmet.size()) + " of " + std::to_string(hinges_.size()) +
-                      " hinges cannot be met; vertex " + std::to_string(v) + ": " + why + ".";
+    out.explanation = "No edges were found for the extra turns of " + std::to_string(out.unmet.size()) +
+                      " of " + std::to_string(hinges_.size()) + " hinges; vertex " + std::to_string(v) +
+                      ": " + why + ".";
     return out;
   }
 

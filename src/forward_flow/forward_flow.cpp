@@ -290,11 +290,10 @@ class Flow {
       if (!done) return done.error();
       if (done.value()) return std::move(result_);
     }
-    return Error{ErrorCode::unsolved,
-                 "The forward flow could not remove the self-intersections: the input has " +
-                     std::to_string(pairs_.size()) +
-                     " intersecting face pairs, and no flowed state had fewer than " +
-                     std::to_string(fewest_) + "."};
+    return Error{ErrorCode::unsolved, "The flow could not remove all crossings: in the input " +
+                                          std::to_string(pairs_.size()) +
+                                          " pairs of faces intersect, and no later state has fewer than " +
+                                          std::to_string(fewest_) + "."};
   }
 
  private:
@@ -337,7 +336,9 @@ class Flow {
       // The states only help a staged reverse flow; without them the direct one still works.
       no_room_ = true;
       result_.states.clear();
-      context_.note(LogLevel::warning, "forward flow: no memory to keep the states of the flow");
+      context_.note(LogLevel::warning,
+                    "The forward flow has too little memory to keep its states, so the reverse flow "
+                    "starts without them.");
       return;
     }
     VertexMatrix rows(static_cast<Eigen::Index>(active.size()), 3);
@@ -417,7 +418,7 @@ class Flow {
     }
     FlowSystem system(s_, L, regions.active, delta, area_);
     if (!system.analyze())
-      return Error{ErrorCode::limit, "Not enough memory for the forward flow's factorisation."};
+      return Error{ErrorCode::limit, "There is not enough memory for a factorisation of the forward flow."};
     std::vector<char> free(vertices_, 0);
     for (Index v : regions.active) free[v] = 1;
     ContactMesh mesh(s_.V, s_.F, free);
@@ -525,7 +526,7 @@ class Flow {
     const SymmetricMatrix L = laplacian(s_, way.weights, options_.smallest_weight);
     FlowSystem system(s_, L, all, Eigen::VectorXd::Constant(vertices_, way.delta), area_);
     if (!system.analyze())
-      return Error{ErrorCode::limit, "Not enough memory for the forward flow's factorisation."};
+      return Error{ErrorCode::limit, "There is not enough memory for a factorisation of the forward flow."};
     ContactMesh mesh(s_.V, s_.F, std::vector<char>(vertices_, 1));
     const Eigen::RowVector3d centre = centroid(s_.V, s_.F);
     Stagnation stagnation(options_.global_stall_tests, options_.stall_drop);

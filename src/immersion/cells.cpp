@@ -318,7 +318,8 @@ class CellFinder {
           known[other] = known[c] + jump;
           stack.push_back(other);
         } else if (known[other] != known[c] + jump) {
-          return Error{ErrorCode::unsolved, "The arrangement has lost a face: winding numbers do not agree."};
+          return Error{ErrorCode::unsolved,
+                       "The rounded arrangement has lost a face: its winding numbers disagree."};
         }
       }
     }
@@ -327,8 +328,9 @@ class CellFinder {
       if (known[c] < 0 && known[c] != kUnknown)
         // Whether the surface itself has such a region is for the exact diagnosis to say; rounding can make
         // one.
-        return Error{ErrorCode::unsolved, "The arrangement has a cell of negative winding number " +
-                                              std::to_string(known[c]) + "."};
+        return Error{ErrorCode::unsolved,
+                     "The rounded arrangement has a cell with the negative winding number " +
+                         std::to_string(known[c]) + "."};
       if (known[c] == kUnknown)
         return Error{ErrorCode::unsolved, "The arrangement has a cell that no face bounds."};
     }

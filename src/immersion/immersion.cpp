@@ -111,7 +111,7 @@ Result<ImmersionResult> attempt(const Surface& surface, const std::vector<FacePa
   out.tetgen_facets = tets.value().tetgen_facets;
   out.tetgen_parts = tets.value().parts;
 
-  context.report("immersion", 0.6, "sheets");
+  context.report("immersion", 0.6, "gluing");
   Result<Sheets> sheets = assign_sheets(surface, out.arrangement, tets.value(), wound, context);
   if (!sheets) return sheets.error();
   out.cells = static_cast<Index>(sheets.value().winding.size());

@@ -112,12 +112,12 @@ class Assigner {
   Error no_gluing(const SheetSearch& search) const {
     if (const Index r = search.impossible_region(); r >= 0) {
       Error error{ErrorCode::unsolved,
-                  "Faces of the surface lie on each other where the solid has no thickness between them."};
+                  "Faces of the surface lie on each other, and the solid has no thickness between them."};
       for (std::size_t f = 0; f < out_.facets.size() && !error.place; ++f)
         if (out_.facets[f].region == r) error.place = place(corners_[f][0]);
       return error;
     }
-    Error error{ErrorCode::unsolved, "The sheets of the solid cannot be glued without a branch line."};
+    Error error{ErrorCode::unsolved, "The layers of the solid cannot be glued without a branch line."};
     if (search.deepest_fan() >= 0) error.place = place(fan_place_[search.deepest_fan()]);
     return error;
   }
@@ -466,7 +466,8 @@ class Assigner {
         const double d = distance_to_edge(group[0].p, edge) + distance_to_edge(group[0].q, edge);
         if (d < best) best = d, found = static_cast<int>(j), found_edge = edge;
       }
-      if (found < 0) return Error{ErrorCode::unsolved, "The arrangement is torn.", place(group[0].p)};
+      if (found < 0)
+        return Error{ErrorCode::unsolved, "The rounded arrangement has a gap.", place(group[0].p)};
       partner[i] = found, partner[found] = static_cast<int>(i);
       edge_passed = found_edge;
       const auto wound = free_ ? turns_.end() : turns_.find(found_edge);

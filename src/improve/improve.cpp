@@ -392,7 +392,7 @@ Status ImproveOptions::validate() const {
   if (!(growth >= 1)) return Error{ErrorCode::usage, "The allowed growth of the mesh must be at least 1."};
   if (passes < 0) return Error{ErrorCode::usage, "The number of passes must not be negative."};
   if (!(effort >= 0)) return Error{ErrorCode::usage, "The effort of the quality pass must not be negative."};
-  if (tets_per_part < 1) return Error{ErrorCode::usage, "A part of the mesh must have a tet at least."};
+  if (tets_per_part < 1) return Error{ErrorCode::usage, "A part of the mesh must have at least one tet."};
   if (!(seconds >= 0)) return Error{ErrorCode::usage, "The time for the quality pass must not be negative."};
   return success();
 }

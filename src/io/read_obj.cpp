@@ -9,7 +9,7 @@ namespace overtet::io_detail {
 Result<Polygons> parse_obj(std::string_view name, std::string_view bytes, SurfaceReadInfo& info) {
   info.format = "OBJ";
   if (const std::int64_t line = line_of_nul(bytes))
-    return malformed(name, "line " + std::to_string(line) + " holds a NUL byte, which no text file should");
+    return malformed(name, "line " + std::to_string(line) + " contains a NUL byte, so it is not text");
   TextCursor in(name, bytes, true);
   Polygons out;
   // A face may name a vertex that comes later in the file: the largest such name, checked at the end.
@@ -23,7 +23,9 @@ Result<Polygons> parse_obj(std::string_view name, std::string_view bytes, Surfac
       for (double& x : p)
         if (!in.real(x, which)) return in.error();
       out.xyz.insert(out.xyz.end(), p, p + 3);
-      if (++vertices > kMaxCount) return malformed(name, "more than 2147483647 vertices");
+      if (++vertices > kMaxCount)
+        return malformed(name,
+                         "the file has more than 2147483647 vertices, the most that Overtet can number");
     } else if (key == "f") {
       const auto face = static_cast<std::int64_t>(out.sizes.size()) + 1;
       const auto which = [&] { return "face " + std::to_string(face); };
@@ -40,9 +42,9 @@ Result<Polygons> parse_obj(std::string_view name, std::string_view bytes, Surfac
         }
         const std::int64_t zero_based = v > 0 ? v - 1 : vertices + v;
         if (v == 0 || zero_based < 0) {
-          in.fail(v == 0 ? "there is no vertex 0, OBJ numbers vertices from 1 (" + which() + ")"
-                         : "there are no " + std::to_string(-v) + " vertices before this line (" + which() +
-                               ")");
+          in.fail(v == 0 ? "there is no vertex 0; OBJ numbers vertices from 1 (" + which() + ")"
+                         : "there are fewer than " + std::to_string(-v) + " vertices before this line (" +
+                               which() + ")");
           return in.error();
         }
         if (v > vertices && v > ahead) ahead = v, ahead_line = in.line(), ahead_face = face;
@@ -59,18 +61,18 @@ Result<Polygons> parse_obj(std::string_view name, std::string_view bytes, Surfac
     } else {
       for (const char c : key) {
         if (std::isalnum(static_cast<unsigned char>(c)) || c == '_') continue;
-        in.fail(quoted(key) + " is not something an OBJ file says");
+        in.fail(quoted(key) + " is not an OBJ keyword");
         return in.error();
       }
       if (!std::isalpha(static_cast<unsigned char>(key[0]))) {
-        in.fail(quoted(key) + " is not something an OBJ file says");
+        in.fail(quoted(key) + " is not an OBJ keyword");
         return in.error();
       }
     }
     in.next_line();
   }
   if (ahead > vertices) {
-    in.fail_at(ahead_line, "there is no vertex " + std::to_string(ahead) + ", the file has " +
+    in.fail_at(ahead_line, "there is no vertex " + std::to_string(ahead) + "; the file has " +
                                std::to_string(vertices) + " (face " + std::to_string(ahead_face) + ")");
     return in.error();
   }

@@ -7,7 +7,7 @@ namespace overtet::io_detail {
 // ignored. "4OFF" and "nOFF" (other dimensions) and the binary variant are refused.
 Result<Polygons> parse_off(std::string_view name, std::string_view bytes, SurfaceReadInfo& info) {
   if (const std::int64_t line = line_of_nul(bytes))
-    return malformed(name, "line " + std::to_string(line) + " holds a NUL byte, which no text file should");
+    return malformed(name, "line " + std::to_string(line) + " contains a NUL byte, so it is not text");
   TextCursor in(name, bytes, true);
   if (!in.to_token()) return malformed(name, "the file is empty");
   std::string_view header = in.token();
@@ -15,7 +15,7 @@ Result<Polygons> parse_off(std::string_view name, std::string_view bytes, Surfac
   for (const std::string_view prefix : {"ST", "C", "N"})
     if (header.substr(0, prefix.size()) == prefix) header.remove_prefix(prefix.size());
   if (header != "OFF")
-    return malformed(name, quoted(info.format) + " is not a kind of OFF that Overtet reads");
+    return malformed(name, quoted(info.format) + " is not a variant of OFF that Overtet reads");
   if (!in.to_token()) return malformed(name, "the file ends before the numbers of vertices and faces");
   std::int64_t vertices = 0, faces = 0;
   if (!in.integer(vertices, [] { return "the number of vertices"; })) return in.error();
@@ -68,7 +68,7 @@ Result<Polygons> parse_off(std::string_view name, std::string_view bytes, Surfac
       std::int64_t v = 0;
       if (!in.integer(v, which)) return in.error();
       if (v < 0 || v >= vertices) {
-        in.fail("there is no vertex " + std::to_string(v) + ", vertices are numbered from 0 to " +
+        in.fail("there is no vertex " + std::to_string(v) + "; vertices are numbered from 0 to " +
                 std::to_string(vertices - 1) + " (" + which() + ")");
         return in.error();
       }

@@ -123,7 +123,7 @@ class TextSource final : public Source {
   }
   bool begin_element() override { return in_.to_token() || fail("the file ends before " + which()); }
   bool end_element() override {
-    if (!in_.at_line_end()) return fail("there are more values than the header names (" + which() + ")");
+    if (!in_.at_line_end()) return fail("there are more values than the header declares (" + which() + ")");
     in_.next_line();
     return true;
   }
@@ -178,7 +178,7 @@ Status read_body(Source& in, const std::vector<Element>& elements, Polygons& out
           if (x >= 0 && x < 1000)
             in.fail("the file ends inside " + in.which());
           else
-            in.fail("a list cannot be that long (" + in.which() + ")");
+            in.fail("a list cannot have that length (" + in.which() + ")");
           return in.error;
         }
         const auto size = static_cast<Index>(x);
@@ -192,9 +192,9 @@ Status read_body(Source& in, const std::vector<Element>& elements, Polygons& out
           if (!(x >= 0 && x < static_cast<double>(vertices)) || x != std::floor(x)) {
             const bool whole = std::isfinite(x) && std::abs(x) < 1e15;
             in.fail("there is no vertex " +
-                    (whole ? std::to_string(static_cast<std::int64_t>(x)) : "of that number") +
-                    ", vertices are numbered from 0 to " + std::to_string(vertices - 1) + " (" + in.which() +
-                    (size > 64 ? ", which says it has " + std::to_string(size) + " corners)" : ")"));
+                    (whole ? std::to_string(static_cast<std::int64_t>(x)) : "with that number") +
+                    "; vertices are numbered from 0 to " + std::to_string(vertices - 1) + " (" + in.which() +
+                    (size > 64 ? ", which claims to have " + std::to_string(size) + " corners)" : ")"));
             return in.error;
           }
           out.corners.push_back(static_cast<Index>(x));
@@ -224,7 +224,7 @@ Result<Property> read_property(TextCursor& in) {
     p.list = true;
     const auto count_type = type_named(word());
     if (!count_type || *count_type == Type::f32 || *count_type == Type::f64)
-      return bad("a list needs a whole number type for its length");
+      return bad("the length of a list needs an integer type");
     p.count_type = *count_type;
     type = word();
   }
@@ -271,7 +271,7 @@ Result<Header> read_header(std::string_view name, std::string_view text) {
       if (!p.ok()) return p.error();
       elements.back().properties.push_back(std::move(p).value());
     } else if (key != "ply" && key != "comment" && key != "obj_info") {
-      return bad(quoted(key) + " is not something a PLY header says");
+      return bad(quoted(key) + " is not a PLY header keyword");
     }
     in.next_line();
   }
@@ -306,10 +306,10 @@ Status check_header(std::string_view name, const Header& header, std::int64_t bo
           name, "the file is too short for " + std::to_string(e.count) + " elements " + quoted(e.name));
     }
     least += each * e.count;
-    if (least > body_size) return malformed(name, "the file is too short for what its header names");
+    if (least > body_size) return malformed(name, "the file is too short for what its header declares");
     seen += e.name == "vertex" || e.name == "face";
   }
-  if (seen != 2) return malformed(name, "the header names no vertices or no faces");
+  if (seen != 2) return malformed(name, "the header declares no vertices or no faces");
   return success();
 }
 
@@ -336,8 +336,8 @@ Result<Polygons> parse_ply(std::string_view name, std::string_view bytes, Surfac
     std::int64_t line =
         1 + std::count(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(body_at) + 1, '\n');
     if (const std::int64_t nul = line_of_nul(body))
-      return malformed(
-          name, "line " + std::to_string(line + nul - 1) + " holds a NUL byte, which no text file should");
+      return malformed(name,
+                       "line " + std::to_string(line + nul - 1) + " contains a NUL byte, so it is not text");
     TextSource source(name, body, line);
     source.name = name;
     status = read_body(source, elements, out);

@@ -73,7 +73,8 @@ Result<Polygons> parse_binary_stl(std::string_view name, std::string_view bytes,
   info.format = "STL, binary";
   info.has_vertex_order = false;
   const std::size_t triangles = (bytes.size() - kHeader) / kTriangle;
-  if (triangles > static_cast<std::size_t>(kMaxCount) / 3) return malformed(name, "too many triangles");
+  if (triangles > static_cast<std::size_t>(kMaxCount) / 3)
+    return malformed(name, "there are too many triangles (at most 715827882)");
   Polygons out;
   out.corners.reserve(3 * triangles);
   out.sizes.assign(triangles, 3);
@@ -99,7 +100,7 @@ Result<Polygons> parse_ascii_stl(std::string_view name, std::string_view bytes, 
   info.format = "STL, ASCII";
   info.has_vertex_order = false;
   if (const std::int64_t line = line_of_nul(bytes))
-    return malformed(name, "line " + std::to_string(line) + " holds a NUL byte, which no text file should");
+    return malformed(name, "line " + std::to_string(line) + " contains a NUL byte, so it is not text");
   TextCursor in(name, bytes, false);
   Polygons out;
   PointTable table(bytes.size() / 256);
@@ -114,24 +115,24 @@ Result<Polygons> parse_ascii_stl(std::string_view name, std::string_view bytes, 
     };
     if (key == "vertex") {
       if (!inside || corners == 3)
-        return bad(inside ? "a triangle has three corners" : "a vertex stands outside a facet");
+        return bad(inside ? "a triangle must have three corners" : "a vertex stands outside a facet");
       std::array<double, 3> x;
       for (double& c : x)
         if (!in.real(c, [&] { return "triangle " + std::to_string(out.sizes.size()); })) return in.error();
       if (out.corners.size() >= static_cast<std::size_t>(kMaxCount) - 3)
-        return malformed(name, "too many triangles");
+        return malformed(name, "there are too many triangles (at most 715827882)");
       out.corners.push_back(table.number_of(x, out.xyz));
       ++corners;
     } else if (key == "facet") {
-      if (inside) return bad("a facet begins before the last one has ended");
+      if (inside) return bad("a facet begins before the previous one has ended");
       inside = true;
       corners = 0;
     } else if (key == "endfacet") {
-      if (!inside || corners != 3) return bad("a triangle has three corners");
+      if (!inside || corners != 3) return bad("a triangle must have three corners");
       out.sizes.push_back(3);
       inside = false;
     } else if (key != "outer" && key != "endloop" && key != "solid" && key != "endsolid") {
-      return bad(quoted(key) + " is not something an STL file says");
+      return bad(quoted(key) + " is not an STL keyword");
     }
     in.next_line();
   }

@@ -59,13 +59,13 @@ Result<Surface> read_surface(const std::string& path, SurfaceReadInfo* info_out,
     if (extension == "stl")
       return malformed(name,
                        "the file is neither ASCII STL (it does not begin with solid) nor binary STL "
-                       "(its length does not fit the number of triangles it names)");
+                       "(its length does not fit its number of triangles)");
     if (extension != "obj")
       return malformed(name, "this is not a surface format that Overtet reads (OBJ, OFF, PLY, STL)");
     kind = "obj";
   } else if (known && extension != (kind == "bstl" ? "stl" : kind)) {
-    info.notes.push_back("The file is called ." + extension + " but begins like " +
-                         (kind == "bstl" ? std::string("binary STL") : kind) + ", so it was read as that.");
+    info.notes.push_back("The extension is ." + extension + ", but the file begins like " +
+                         (kind == "bstl" ? std::string("binary STL") : kind) + " and was read as such.");
   }
 
   Result<Polygons> parsed = kind == "off"    ? parse_off(name, bytes, info)
@@ -75,10 +75,11 @@ Result<Surface> read_surface(const std::string& path, SurfaceReadInfo* info_out,
                                              : parse_obj(name, bytes, info);
   if (!parsed) return parsed.error();
   const Polygons& polygons = parsed.value();
-  if (polygons.xyz.empty()) return malformed(name, "the file holds no vertices");
-  if (polygons.sizes.empty()) return malformed(name, "the file holds no faces");
+  if (polygons.xyz.empty()) return malformed(name, "the file has no vertices");
+  if (polygons.sizes.empty()) return malformed(name, "the file has no faces");
   if (static_cast<std::int64_t>(polygons.corners.size() - 2 * polygons.sizes.size()) > kMaxCount)
-    return malformed(name, "more than 2147483647 triangles are more than Overtet can number");
+    return malformed(name,
+                     "the surface has more than 2147483647 triangles, the most that Overtet can number");
   Surface surface = triangulate(polygons, info.polygons);
   if (info.polygons > 0)
     info.notes.push_back(std::to_string(info.polygons) +

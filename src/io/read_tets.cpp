@@ -29,11 +29,11 @@ class Tokens {
   }
   bool real(double& x, const char* what) {
     return in_.to_token() ? in_.real(x, [&] { return what; })
-                          : in_.fail("the file ends where a number is due");
+                          : in_.fail("the file ends where a number should be");
   }
   bool integer(std::int64_t& x, const char* what) {
     return in_.to_token() ? in_.integer(x, [&] { return what; })
-                          : in_.fail("the file ends where a number is due");
+                          : in_.fail("the file ends where a number should be");
   }
   // A number of items that take at least `bytes_each` each.
   bool count(std::int64_t& n, std::int64_t bytes_each, const char* what) {
@@ -109,14 +109,14 @@ Result<TetMesh> read_medit(Tokens& in, std::string_view name) {
       const auto* it =
           std::find_if(std::begin(widths), std::end(widths), [&](const auto& w) { return w.first == key; });
       if (it == std::end(widths)) {
-        in.fail(quoted(key) + " is not a section that Overtet knows");
+        in.fail(quoted(key) + " is not a MEDIT section that Overtet knows");
         return in.error();
       }
       if (!in.count(n, 2 * it->second, "the length of a section")) return in.error();
       if (!in.skip(n * it->second)) return in.error();
     }
   }
-  if (!have_vertices || !have_tets) return malformed(name, "the file holds no vertices or no tets");
+  if (!have_vertices || !have_tets) return malformed(name, "the file has no vertices or no tets");
   return m;
 }
 
@@ -249,7 +249,7 @@ Result<TetMesh> read_gmsh(Tokens& in, std::string_view name) {
       }
     }
   }
-  if (nodes.count == 0 || corners.empty()) return malformed(name, "the file holds no nodes or no tets");
+  if (nodes.count == 0 || corners.empty()) return malformed(name, "the file has no nodes or no tets");
   TetMesh m;
   m.V = Eigen::Map<const VertexMatrix>(xyz.data(), static_cast<Eigen::Index>(xyz.size() / 3), 3);
   m.T = Eigen::Map<const TetMatrix>(corners.data(), static_cast<Eigen::Index>(corners.size() / 4), 4);
@@ -285,7 +285,9 @@ Result<TetMesh> read_tetgen(const std::string& base) {
   std::int64_t n = 0, nodes_each = 0, number = 0;
   if (!in.count(n, 10, "the number of tets") || !in.integer(nodes_each, "the number of corners"))
     return in.error();
-  if (nodes_each != 4) return malformed(name, "only tets with four corners are read");
+  if (nodes_each != 4)
+    return malformed(
+        name, "the tets have " + std::to_string(nodes_each) + " corners; Overtet reads tets with four");
   in.next_line();
   m.T.resize(n, 4);
   for (std::int64_t t = 0; t < n; ++t) {
@@ -312,7 +314,7 @@ Result<TetMesh> read_tets(const std::string& path, const RunContext& context) {
   if (bytes.value().empty()) return malformed(name, "the file is empty");
   if (format.value() == TetFormat::vtu) return read_vtu(name, bytes.value());
   if (const std::int64_t line = line_of_nul(bytes.value()))
-    return malformed(name, "line " + std::to_string(line) + " holds a NUL byte, which no text file should");
+    return malformed(name, "line " + std::to_string(line) + " contains a NUL byte, so it is not text");
   Tokens in(name, bytes.value());
   return format.value() == TetFormat::medit ? read_medit(in, name) : read_gmsh(in, name);
 }

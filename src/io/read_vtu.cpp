@@ -112,9 +112,9 @@ class VtuReader {
   Status read_header(const Tag& t) {
     if (t.name == "VTKFile") {
       if (t.attribute("type") != "UnstructuredGrid") return bad("this is not a VTK unstructured grid");
-      if (!t.attribute("compressor").empty()) return bad("the data are compressed; save them uncompressed");
+      if (!t.attribute("compressor").empty()) return bad("the data is compressed; save it uncompressed");
       if (t.attribute("byte_order") == "BigEndian")
-        return bad("the data are big endian; save them little endian");
+        return bad("the data is big endian; save it as little endian");
       if (t.attribute("header_type") == "UInt64") header_size_ = 8;
     }
     if (t.name == "AppendedData") {
@@ -128,7 +128,7 @@ class VtuReader {
   // The arrays that tets are made of; others are left out.
   Status read_part(const Tag& t) {
     if (t.name == "Piece") {
-      if (++pieces_ > 1) return bad("the file has several pieces");
+      if (++pieces_ > 1) return bad("the file has several pieces; save it as one");
       points_said_ = t.attribute("NumberOfPoints");
       cells_said_ = t.attribute("NumberOfCells");
     }
@@ -153,7 +153,7 @@ class VtuReader {
     double x = 0;
     while (in.to_token()) {
       if (!in.real(x, [&] { return std::string(section_) + " " + std::string(which); }))
-        return bad("the data array " + quoted(which) + " holds something that is not a number");
+        return bad("the data array " + quoted(which) + " contains something that is not a number");
       out.push_back(x);
     }
     return success();
@@ -176,7 +176,7 @@ class VtuReader {
         return bad("the data array " + quoted(which) + " points outside the file");
       raw = appended_.substr(offset);
     } else {
-      return bad("data arrays in the format " + quoted(format) + " are not read");
+      return bad("Overtet reads no data arrays in the format " + quoted(format));
     }
     std::uint64_t size = 0;
     if (raw.size() < header_size_) return bad("the data array " + quoted(which) + " is cut short");
@@ -213,7 +213,7 @@ class VtuReader {
     else if (type == "Int8")
       as(std::int8_t{});
     else
-      return bad("data of the type " + quoted(type) + " are not read");
+      return bad("Overtet reads no data of the type " + quoted(type));
     return success();
   }
 
@@ -243,13 +243,13 @@ class VtuReader {
         for (std::int64_t k = begin; k < end; ++k) {
           const double v = connectivity_[static_cast<std::size_t>(k)];
           if (!(v >= 0 && v < static_cast<double>(vertices)))
-            return bad("tet " + std::to_string(c) + " names a vertex that is not there");
+            return bad("tet " + std::to_string(c) + " names a vertex that does not exist");
           corners.push_back(static_cast<Index>(v));
         }
       }
       begin = end;
     }
-    if (corners.empty()) return bad("the file holds no tets");
+    if (corners.empty()) return bad("the file has no tets");
     m.T = Eigen::Map<const TetMatrix>(corners.data(), static_cast<Eigen::Index>(corners.size() / 4), 4);
     return m;
   }

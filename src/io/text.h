@@ -120,10 +120,9 @@ class TextCursor {
       return true;
     }
     const std::string_view t = token();
-    return fail(
-        quoted(t) +
-        (code == std::errc::result_out_of_range ? " is too large a number (" : " is not a whole number (") +
-        std::string(what()) + ")");
+    return fail(quoted(t) +
+                (code == std::errc::result_out_of_range ? " is too large (" : " is not a whole number (") +
+                std::string(what()) + ")");
   }
 
  private:

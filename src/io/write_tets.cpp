@@ -141,8 +141,8 @@ Result<TetFormat> tet_format_named(std::string_view name) {
   if (name == "msh41" || name == "msh") return TetFormat::gmsh41;
   if (name == "vtu") return TetFormat::vtu;
   if (name == "tetgen") return TetFormat::tetgen;
-  return Error{ErrorCode::usage, "There is no format called " + std::string(name) +
-                                     "; there are medit, msh22, msh41, vtu and tetgen."};
+  return Error{ErrorCode::usage,
+               "There is no format named " + std::string(name) + "; use medit, msh22, msh41, vtu or tetgen."};
 }
 
 Result<TetFormat> tet_format_of(const std::string& path) {
@@ -152,8 +152,8 @@ Result<TetFormat> tet_format_of(const std::string& path) {
   if (e == ".vtu") return TetFormat::vtu;
   if (e == ".node" || e == ".ele") return TetFormat::tetgen;
   return Error{ErrorCode::usage,
-               "The format of " + path +
-                   " cannot be told from its name: use .mesh, .msh, .vtu or .node, or name the format."};
+               "The name " + path +
+                   " does not tell the format: use .mesh, .msh, .vtu, .node or .ele, or name the format."};
 }
 
 Status write_tets(const std::string& path, const TetMesh& mesh, TetFormat format, const RunContext& context) {

@@ -21,7 +21,7 @@ std::string face_name(const TriangleMatrix& F, Index f) {
 
 std::string edge_name(Index a, Index b) {
   return "The edge between vertices " + std::to_string(std::min(a, b)) + " and " +
-         std::to_string(std::max(a, b));
+         std::to_string(std::max(a, b)) + " (counted from 0)";
 }
 
 class Checker {
@@ -117,7 +117,7 @@ class Checker {
            "Faces " + std::to_string(half_edge_face(h[0])) + " and " + std::to_string(half_edge_face(h[1])) +
                " run the same way along the edge of vertices " + std::to_string(a) + " and " +
                std::to_string(b) +
-               ": the faces are not oriented consistently, or the surface has one side only.");
+               " (counted from 0): the faces are not oriented consistently, or the surface is one-sided.");
     }
   }
 
@@ -167,7 +167,7 @@ class Checker {
       } while (h != first && seen <= faces_at[v]);
       if (seen != faces_at[v])
         fail(check_.manifold_vertices, name("Vertex", v) +
-                                           " joins parts of the surface that meet in this vertex only (" +
+                                           " joins parts of the surface that meet only in this vertex (" +
                                            std::to_string(seen) + " of its " + std::to_string(faces_at[v]) +
                                            " faces form a fan); give each part a vertex of its own.");
     }

@@ -124,9 +124,11 @@ class PartsMesher {
       std::erase_if(done_, [&](const Piece& p) { return take(p.group); });
       Part whole = as_one(joined);
       if (joined.size() == 1 || whole.components.size() == component_count())
-        return Error{e.code,
-                     "The part with component " + std::to_string(group[0].components[0]) +
-                         ", by itself and with its vertices counted from 0, has no mesh: " + e.message};
+        return Error{
+            e.code,
+            "The part with component " + std::to_string(group[0].components[0]) +
+                " has no mesh by itself (the numbers that follow count its own vertices and faces from 0): " +
+                e.message};
       waiting.push_back({std::move(whole)});
     }
     record.figures.emplace_back("groups", static_cast<std::int64_t>(done_.size()));

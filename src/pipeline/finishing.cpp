@@ -44,7 +44,7 @@ TetMesh improved(const FinishingJob& job, const TetMesh& mesh) {
     Result<ImproveResult> r = improve(better, options, job.context);
     if (!r) return r.error();
     if (r.value().end == ImproveResult::End::time_over)
-      job.context.note(LogLevel::warning, "The quality pass ended early, at the time limit.");
+      job.context.note(LogLevel::warning, "The quality pass ended early because of the time limit.");
     write_down(r.value(), better, record);
     return success();
   });
@@ -70,8 +70,8 @@ Result<TetMesh> finish(const FinishingJob& job, const UnitBox& box, TetMesh mesh
   Status good = check(job, result);
   if (!good && good.error().code == ErrorCode::unsolved && job.improve_degrees > 0) {
     // The quality pass is a luxury: fall back to the mesh before it.
-    job.context.note(LogLevel::warning,
-                     "The mesh after the quality pass failed the check: " + good.error().message);
+    job.context.note(LogLevel::warning, "The quality pass broke the mesh, so the mesh before it is used: " +
+                                            good.error().message);
     result = std::move(mesh);
     out_of_unit_box(result.V, box);
     good = check(job, result);

@@ -20,13 +20,13 @@ namespace {
 
 void say_cut(const MeshingJob& r, const char* stage) {
   r.context.note(LogLevel::warning, std::string(stage) +
-                                        " ended early because of the time limit: "
-                                        "with more time the result may be another one.");
+                                        " ended early because of the time limit; "
+                                        "with more time the result may differ.");
 }
 
 Error damaged(const char* name) {
-  return {ErrorCode::bad_input,
-          std::string("The stage ") + name + " to resume from does not fit the input; it is damaged."};
+  return {ErrorCode::bad_input, std::string("The saved stage ") + name +
+                                    " is damaged: it does not fit the input. Do not resume from it."};
 }
 
 Result<ForwardFlowResult> flow_forward(const MeshingJob& r, const ForwardFlowOptions& options) {

@@ -35,7 +35,8 @@ std::optional<Error> wrong_shape(const Surface& s, UnitBox& box) {
     return bad_input(
         "Face " + std::to_string(flat[0]) +
         (flat.size() > 1 ? " (and " + std::to_string(flat.size() - 1) + " more)" : std::string()) +
-        " has no area up to the rounding of its corners: no tet with a volume can have it as a face.");
+        " is so thin that its area is lost in rounding: no tet with volume can have it as a face. Move a "
+        "corner or collapse an edge.");
   if (lies_in_a_plane(s))
     return bad_input("The surface is flat: all vertices lie in one plane, so there is no inside to mesh.");
   return std::nullopt;

@@ -122,7 +122,7 @@ Result<MeshedSurface> mesh_or_repair(const Surface& surface, const MeshingOption
     Result<MeshedSurface> parts = repair_by_parts(surface, first.parts, options, context, report.stages);
     if (parts || !repairable(parts.error())) return parts;
     context.note(LogLevel::info,
-                 "Repair: one by one the parts could not be repaired: " + parts.error().message);
+                 "Repair: the parts could not be repaired one by one: " + parts.error().message);
   }
   return repair_whole(surface, options, context, report.stages, first);
 }

@@ -24,7 +24,7 @@ double seconds_since(Clock::time_point start) {
 
 void say_more_time_would_help(const RepairJob& job) {
   job.context.note(LogLevel::warning,
-                   "Repair: with more time than the time limit leaves, vertices may move less.");
+                   "Repair: the time limit leaves too little time; with more, vertices may move less.");
 }
 
 // The time that the rounds may take, where the run has a limit.

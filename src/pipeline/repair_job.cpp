@@ -93,8 +93,8 @@ Result<std::optional<RepairedMesh>> pulled(const RepairJob& job, const RepairedM
         const VolumeMapResult& x = r.value();
         if (x.cut_by_time)
           job.context.note(LogLevel::warning,
-                           "Repair: the way back ended early because of the time limit: with more time "
-                           "vertices may move less.");
+                           "Repair: moving vertices back ended early because of the time limit; with more "
+                           "time they may move less.");
         record.iterations = static_cast<std::int64_t>(x.rounds.size());
         record.figures = {{"away_at_start", std::int64_t{x.away_at_start}},
                           {"moved", static_cast<std::int64_t>(x.away.size())},

@@ -67,7 +67,8 @@ class Repairing {
     const double least = least_relative_move();
     if (auto stop = job_.context.stop()) return *stop;
     if (least > job_.allowed())
-      return with_percent(" Vertices would have to move by at least ", kDown * least, " % of the diagonal.");
+      return with_percent(" To repair the surface, some vertex would have to move by at least ",
+                          kDown * least, " % of the diagonal.");
     bool moved_less = false;              // the nearest
     std::optional<RepairedMesh> nearest;  // of those that went too far
     for (const WayOut& way : kWaysOut) {
@@ -90,8 +91,8 @@ class Repairing {
       if (Status s = move_less(job_, *nearest); !s) return s.error();
       if (nearest->moves.max_relative <= job_.allowed()) return std::move(*nearest);
     }
-    return with_percent(" Moving vertices by up to ", nearest->moves.max_relative + 1e-4,
-                        " % of the diagonal would do.");
+    return with_percent(" A repair exists that moves vertices by up to ", nearest->moves.max_relative + 1e-4,
+                        " % of the diagonal; allow that much.");
   }
 
  private:

@@ -23,7 +23,8 @@ std::string index_of(const std::string& folder) { return folder + "/stages.json"
 Result<StageFiles> StageFiles::create(const std::string& folder, const std::string& input_hash, UnitBox box) {
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
-  if (failed) return Error{ErrorCode::io, "Cannot make the folder " + folder + ": " + failed.message() + "."};
+  if (failed)
+    return Error{ErrorCode::io, "Cannot create the folder " + folder + ": " + failed.message() + "."};
   // States of the same input that are there already stay known.
   if (Result<StageFiles> known = open(folder, input_hash, box)) return known;
   StageFiles files;
@@ -47,7 +48,7 @@ Result<StageFiles> StageFiles::open(const std::string& folder, const std::string
     return Error{ErrorCode::bad_input, index_of(folder) + " is not a record of saved stages."};
   if (j["version"].get<std::string>() != version())
     return Error{ErrorCode::bad_input, "The stages in " + folder + " come from Overtet " +
-                                           j["version"].get<std::string>() + ", this is " + version() + "."};
+                                           j["version"].get<std::string>() + "; this is " + version() + "."};
   if (j["input_hash"].get<std::string>() != input_hash)
     return Error{ErrorCode::bad_input, "The stages in " + folder + " belong to another input."};
   for (const Json& name : j["stages"])

@@ -27,10 +27,10 @@ Error in_input_space(const MeshingJob& job, Error error) {
   error.place = {p(0, 0), p(0, 1), p(0, 2)};
   char where[128];
   if (vertex < job.surface.V.rows())
-    std::snprintf(where, sizeof where, " at vertex %d (%.6g, %.6g, %.6g).", vertex, p(0, 0), p(0, 1),
+    std::snprintf(where, sizeof where, ", near vertex %d at (%.6g, %.6g, %.6g).", vertex, p(0, 0), p(0, 1),
                   p(0, 2));
   else
-    std::snprintf(where, sizeof where, " near (%.6g, %.6g, %.6g).", p(0, 0), p(0, 1), p(0, 2));
+    std::snprintf(where, sizeof where, ", near (%.6g, %.6g, %.6g).", p(0, 0), p(0, 1), p(0, 2));
   if (!error.message.empty() && error.message.back() == '.') error.message.pop_back();
   error.message += where;
   return error;

@@ -30,11 +30,12 @@ std::optional<Error> pinched_vertices(const Surface& input, const Diagnosis& dia
             [&](Index a, Index b) { return position(a) != position(b) ? position(a) < position(b) : a < b; });
   for (std::size_t i = 0; i + 1 < order.size(); ++i)
     if (position(order[i]) == position(order[i + 1]))
-      return Error{ErrorCode::bad_input,
-                   "Vertices " + std::to_string(order[i]) + " and " + std::to_string(order[i + 1]) +
-                       " are at the same point, and the solid has no thickness between them;" +
-                       " move one of them a little.",
-                   position(order[i])};
+      return Error{
+          ErrorCode::bad_input,
+          "Vertices " + std::to_string(order[i]) + " and " + std::to_string(order[i + 1]) +
+              " (counted from 0) are at the same point, and the solid has no thickness between them;" +
+              " move one of them a little.",
+          position(order[i])};
   return std::nullopt;
 }
 
@@ -90,8 +91,8 @@ std::optional<Error> SurfaceRun::final_reason(const Error& e) {
   if (e.reason != ErrorReason::exhausted) return std::nullopt;
   return Error{ErrorCode::unsolved,
                "No tet mesh was found: " + e.message +
-                   " All gluings have been tried, with all edges wound that could be, so no other way "
-                   "would find one.",
+                   " Every gluing has been tried, with every edge that can be wound, so no other route would "
+                   "find a mesh.",
                e.place, ErrorReason::exhausted};
 }
 
@@ -142,7 +143,7 @@ Result<TetMesh> SurfaceRun::finish_saved() {
   if (!verify(surface_, mesh.value(), {}, context_).ok()) {
     if (auto stop = context_.stop()) return *stop;
     return Error{ErrorCode::bad_input,
-                 "The stage mapped to resume from does not fit the input; it is damaged."};
+                 "The saved stage mapped is damaged: it does not fit the input. Do not resume from it."};
   }
   return finish(std::move(mesh).value());
 }

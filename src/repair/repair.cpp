@@ -123,16 +123,18 @@ Status Repair::climb() {
 }
 
 Error Repair::inside_out() const {
-  return {ErrorCode::infeasible,
-          found_.diagnosis.message + " Moving vertices a little does not help: a component faces inwards."};
+  return {
+      ErrorCode::infeasible,
+      found_.diagnosis.message +
+          " Moving vertices a little does not help, because a component faces inwards: reverse its faces."};
 }
 
 Error Repair::left() const {
-  return {ErrorCode::infeasible, "The surface could not be repaired by moving vertices by at most " +
-                                     std::to_string(options_.max_relative_move) +
-                                     " of its diagonal; the first of " +
-                                     std::to_string(found_.offences.size()) + " places left is at vertex " +
-                                     std::to_string(found_.offences[0][0]) + ". " + found_.diagnosis.message};
+  return {ErrorCode::infeasible,
+          "The surface could not be repaired by moving vertices by at most " +
+              std::to_string(options_.max_relative_move) + " times its diagonal; the first of " +
+              std::to_string(found_.offences.size()) + " places that still forbid a mesh is at vertex " +
+              std::to_string(found_.offences[0][0]) + ". " + found_.diagnosis.message};
 }
 
 void Repair::record() {

@@ -228,7 +228,8 @@ class Reverse {
       }
       if (!solved) {
         // The rest shape is too degenerate for its Laplacian: what there is stays valid.
-        context_.note(LogLevel::warning, "reverse flow: a system could not be solved; the stage ends early");
+        context_.note(LogLevel::warning,
+                      "The reverse flow ended early because a linear system could not be solved.");
         return true;
       }
       VertexMatrix P = VertexMatrix::Zero(U.rows(), 3);
@@ -520,7 +521,8 @@ Result<ReverseFlowResult> reverse_flow(const Surface& surface, const VertexMatri
     if (W.rows() != surface.V.rows() || !W.allFinite()) return bad("a stored state is broken.");
   const ScopedThreads threads(context.threads);
   const auto left = find_self_intersections(start, surface.F);
-  if (!left.empty()) return bad("the start has " + std::to_string(left.size()) + " intersecting face pairs.");
+  if (!left.empty())
+    return bad("the start has " + std::to_string(left.size()) + " intersecting pairs of faces.");
   ReverseFlowResult result;
   result.U0 = start;
   for (std::size_t v = 0; v < n; ++v)

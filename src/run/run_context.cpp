@@ -50,7 +50,7 @@ std::optional<Error> RunContext::no_room_for(std::size_t bytes) const {
   const std::size_t now = resident_bytes();
   if (now + bytes <= memory_limit_bytes) return std::nullopt;
   return Error{.code = ErrorCode::limit,
-               .message = "The memory limit of " + mebibytes(memory_limit_bytes) + " would be passed (" +
+               .message = "The memory limit of " + mebibytes(memory_limit_bytes) + " would be exceeded (" +
                           mebibytes(now) + " in use, " + mebibytes(bytes) + " more needed).",
                .reason = ErrorReason::memory_limit};
 }

@@ -65,7 +65,7 @@ Status pre_split(TetComplex& mesh, TetMeshResult& result, const RunContext& cont
   const auto failed = [](const char* what) {
     return Error{ErrorCode::unsolved,
                  std::string("An interior ") + what +
-                     " between boundary vertices is too thin to be split in double precision."};
+                     " between boundary vertices is too small to split in double precision."};
   };
   for (const auto& [a, b] : chords(mesh, work)) {
     if (auto error = context.stop()) return *error;
@@ -120,7 +120,7 @@ Result<TetMeshResult> tet_mesh(const Surface& embedded, const TetMeshOptions& op
   TetMeshResult result;
   auto filled = tetrahedralize(plc, tetgen, context);
   if (!filled.ok() && filled.error().code == ErrorCode::unsolved && options.quality) {
-    context.note(LogLevel::warning, "TetGen failed with quality tets; trying without.");
+    context.note(LogLevel::warning, "TetGen failed while refining for quality; trying again without that.");
     tetgen.quality = false;
     result.without_quality = true;
     filled = tetrahedralize(plc, tetgen, context);

@@ -343,11 +343,11 @@ void compare_vertices(VerifyResult& r, const Surface& surface, const TetMesh& me
     if (!(move <= max_move)) too_far.add(static_cast<Index>(v));
   }
   report(r, Rule::R2, max_move > 0 ? too_far : moved,
-         max_move > 0 ? "vertices of the surface have moved further than allowed"
+         max_move > 0 ? "vertices of the surface have moved farther than allowed"
                       : "vertices of the surface have moved");
   Finding missing;
   missing.count = std::max<std::int64_t>(0, surface.V.rows() - mesh.V.rows());
-  report(r, Rule::R2, missing, "vertices of the surface are missing");
+  report(r, Rule::R2, missing, "vertices of the surface are missing from the tet mesh");
 }
 
 }  // namespace
@@ -375,7 +375,7 @@ bool check_numbers(VerifyResult& r, const TetMesh& mesh, Finding& infinite) {
   if (tets == 0) {
     Finding none;
     none.count = 1;
-    report(r, Rule::R1, none, "mesh has no tets");
+    report(r, Rule::R1, none, "tet mesh has no tets");
     return false;
   }
   Finding out_of_range, unused;
@@ -392,7 +392,7 @@ bool check_numbers(VerifyResult& r, const TetMesh& mesh, Finding& infinite) {
     for (int k = 0; k < 4; ++k) used[static_cast<std::size_t>(T(t, k))] = 1;
   }
   report(r, Rule::R1, infinite, "vertices have a coordinate that is not finite");
-  report(r, Rule::R1, out_of_range, "tets name a vertex that is not there");
+  report(r, Rule::R1, out_of_range, "tets name a vertex that does not exist");
   if (out_of_range.count > 0) return false;
   for (Index v = 0; v < vertices; ++v)
     if (!used[static_cast<std::size_t>(v)]) unused.add(v);
@@ -499,7 +499,8 @@ VerifyResult verify(const Surface& surface, const TetMesh& mesh, const VerifyOpt
   report(r, Rule::R5, stars.crowded, "faces are shared by more than two tets");
   report(r, Rule::R5, stars.same_side, "shared faces have both tets on the same side");
   report(r, Rule::R5, stars.bad_link, "vertices have a link that is neither a disc nor a sphere");
-  report(r, Rule::R6, stars.turned, "interior edges have tets around them that do not make one turn");
+  report(r, Rule::R6, stars.turned,
+         "interior edges are surrounded by tets that do not make exactly one turn");
   return r;
 }
 

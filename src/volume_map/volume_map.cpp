@@ -221,9 +221,7 @@ class Mapper {
   Status locked(const std::vector<Index>& list) const {
     const Index v = farthest(list);
     return Error{ErrorCode::unsolved,
-                 "The volume map locks: " + std::to_string(list.size()) +
-                     " boundary vertices do not reach their places, the farthest is vertex " +
-                     std::to_string(v) + ".",
+                 std::to_string(list.size()) + " boundary vertices are locked and do not reach their places.",
                  std::array<double, 3>{target_(v, 0), target_(v, 1), target_(v, 2)}};
   }
 
@@ -287,9 +285,9 @@ class Mapper {
                          [](const Patch& patch) { return patch.free.size() > kLargestPatch; }))
           break;
         if (rings == 1)
-          return Error{ErrorCode::unsolved, "The volume map would have to move " +
-                                                std::to_string(list.size()) +
-                                                " boundary vertices at once, more than it can."};
+          return Error{ErrorCode::unsolved, std::to_string(list.size()) +
+                                                " boundary vertices would have to move at once, too many "
+                                                "for the volume map."};
       }
       double error = 0;
       if (options_.largest_move > 0 && before_locking_.vertex_count() == 0 && force > kSpreadPull)
@@ -526,7 +524,7 @@ Result<VolumeMapResult> volume_map(const TetMesh& mesh, const VertexMatrix& targ
                                    const RunContext& context) {
   if (auto status = options.validate(); !status.ok()) return status.error();
   if (target.rows() != mesh.surface_vertices)
-    return Error{ErrorCode::usage, "The volume map needs one target for each surface vertex."};
+    return Error{ErrorCode::usage, "The volume map needs one target for each vertex of the surface."};
   Result<VolumeMapResult> result = Mapper(mesh, target, wound, options, context).run();
   OVERTET_ENSURES(!result ? success() : check_postconditions(result.value(), target));
   return result;

@@ -275,7 +275,7 @@ TEST(Tetgen, WorkWithoutEndIsGivenUp) {
   const auto r = tetrahedralize(plc_of(test::sphere_surface(2)), options, {});
   ASSERT_FALSE(r.ok());
   EXPECT_EQ(ErrorCode::unsolved, r.error().code);
-  EXPECT_NE(std::string::npos, r.error().message.find("did not come to an end"));
+  EXPECT_NE(std::string::npos, r.error().message.find("did not end"));
 }
 
 TEST(Tetgen, SeveralCallsAtOnce) {

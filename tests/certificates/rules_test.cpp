@@ -35,7 +35,7 @@ class Marked {
   explicit Marked(double height) : height_(height) {}
 
   rules::Finding operator()(rules::Case& c) const {
-    CustomCertificate found{"marked", "No positive mesh exists: someone has marked the surface.", {}, {}};
+    CustomCertificate found{"marked", "No mesh exists: someone has marked the surface.", {}, {}};
     for (Index v = 0; v < c.surface.V.rows(); ++v)
       if (c.surface.V(v, 2) == height_) {
         found.vertices.push_back(v);
@@ -61,7 +61,7 @@ TEST(Rules, OneMoreComesOutInVerdictMessageAndReport) {
     EXPECT_EQ(d.certificate.has_value(), !on_request);
     ASSERT_TRUE(diagnose_further(s, options, d, {}).ok());
     EXPECT_EQ(std::string(verdict_name(d.verdict)), "infeasible");
-    EXPECT_EQ(d.message, "No positive mesh exists: someone has marked the surface.");
+    EXPECT_EQ(d.message, "No mesh exists: someone has marked the surface.");
     const auto refused = refuse(d);
     ASSERT_TRUE(refused);
     EXPECT_EQ(refused->code, ErrorCode::infeasible);
@@ -93,6 +93,7 @@ void add_empty(std::vector<Certificate>& all) {
     C c;
     if constexpr (requires { c.vertices; }) c.vertices = {0};
     if constexpr (requires { c.B0.size(); }) c.B0 = {1};
+    if constexpr (requires { c.positions; }) c.positions.resize(1);
     all.emplace_back(std::move(c));
     add_empty<I + 1>(all);
   }
@@ -110,7 +111,7 @@ TEST(Rules, EachHasASentenceAndProperties) {
     EXPECT_EQ(json.find('\n'), std::string::npos);
     EXPECT_GT(Json::parse(json).size(), 1u) << json;
     if (std::holds_alternative<CustomCertificate>(c)) continue;
-    EXPECT_EQ(explain(c).find("No positive mesh exists: "), 0u) << explain(c);
+    EXPECT_EQ(explain(c).find("No mesh exists: "), 0u) << explain(c);
     EXPECT_EQ(explain(c).back(), '.');
     EXPECT_TRUE(sentences.insert(explain(c)).second) << explain(c);
     ++names[rule_name(c)];

@@ -16,7 +16,7 @@ def read_surface(path):
     except (OSError, ValueError, IndexError, KeyError, OverflowError, struct.error, Unreadable) as e:
         raise Unreadable(f"{path}: {e}") from e
     if not faces or not all(len(p) == 3 and all(map(math.isfinite, p)) for p in points):
-        raise Unreadable(f"{path}: no faces, or coordinates that are no numbers")
+        raise Unreadable(f"{path}: there are no faces, or a coordinate is not a number")
     if not all(0 <= v < len(points) for f in faces for v in f):
         raise Unreadable(f"{path}: a face names a vertex that does not exist")
     return points, faces

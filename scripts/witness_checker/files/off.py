@@ -8,7 +8,7 @@ def read(data):
     lines = [line.split() for line in (x.split("#")[0] for x in data.decode(errors="replace").splitlines())]
     lines = [words for words in lines if words]
     if not lines or lines[0][0] not in ("OFF", "COFF", "STOFF", "STCOFF", "NOFF"):
-        raise Unreadable("a kind of OFF file that is not read")
+        raise Unreadable("this variant of OFF is not supported")
     first = lines[0][1:] or lines[1]
     at = 1 if lines[0][1:] else 2
     n, m = int(first[0]), int(first[1])

@@ -5,5 +5,5 @@ from ..errors import Unreadable
 
 def triangle(corners):
     if len(corners) != 3:
-        raise Unreadable("only triangles are read")
+        raise Unreadable("a face is not a triangle")
     return tuple(corners)

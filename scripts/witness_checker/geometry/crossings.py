@@ -104,7 +104,7 @@ class Crossings:
                 self.on_edge[edge].add(h)
                 nodes.append(("e", *edge, h))
         if nodes and len(nodes) != 2:
-            raise Refuted(f"faces {f} and {g} meet in an odd way")
+            raise Refuted(f"faces {f} and {g} meet in special position")
         if nodes:
             self.segments[f][g] = self.segments[g][f] = nodes
 

@@ -110,7 +110,7 @@ class Link:
                     w[y] = w[x] + jump
                     stack.append(y)
                 elif w[y] != w[x] + jump:
-                    raise Refuted("the winding numbers around the vertex do not agree")
+                    raise Refuted("the winding numbers around the vertex disagree")
         return w
 
     def least_layers(self):

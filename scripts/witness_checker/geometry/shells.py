@@ -88,7 +88,7 @@ class Shells:
         self.look_from_faces(links)
         self.look_from_curves(links)
         if any(x not in self.winding for x in links) or min(self.winding.values()) < 0:
-            raise Refuted("a winding number is not known, or negative")
+            raise Refuted("a winding number is unknown or negative")
 
     def look_from_faces(self, links):
         """From the middles of faces that nothing cuts."""
@@ -122,5 +122,5 @@ class Shells:
                     self.winding[y] = self.winding[x] + jump
                     stack.append(y)
                 elif self.winding[y] != self.winding[x] + jump:
-                    raise Refuted("the winding numbers do not agree")
+                    raise Refuted("the winding numbers disagree")
 

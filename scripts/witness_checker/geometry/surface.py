@@ -99,5 +99,5 @@ def face_left_of_edges(faces):
             twin[s, t] = f
     for s, t in twin:
         if (t, s) not in twin:
-            raise Unreadable(f"edge {s}-{t} has one face only")
+            raise Unreadable(f"edge {s}-{t} has only one face")
     return twin

@@ -64,7 +64,7 @@ def ahead(surface, numerator, w, d, skip=()):
         facing = sign(dot(surface.normal(f), d))
         if 0 in sides or 0 in (facing, height):
             if height == 0 and facing != 0:
-                raise Refuted(f"face {f} contains the place to look at")
+                raise Refuted(f"face {f} contains the place in question")
             raise Grazed
         if height == facing:
             total += facing
@@ -78,7 +78,7 @@ def winding(surface, numerator, w, skip=()):
             return ahead(surface, numerator, w, d, skip), d
         except Grazed:
             continue
-    raise Refuted("every ray from a place to look at runs into an edge")
+    raise Refuted("every ray from a place in question meets an edge")
 
 
 def beside(surface, numerator, w):

@@ -35,7 +35,7 @@ def check(surface, witness):
     shells = Shells(Parts(surface), {x[:2] for x in curves} | edges)
     regions, conditions, seen = conditions_of(shells, curves, edges)
     if not conditions:
-        raise Refuted("nothing that the witness names says anything")
+        raise Refuted("nothing that the witness names gives a condition")
     if can_be_glued(regions, shells.cuts.shell_of_name, shells.winding, conditions):
         raise Refuted("the layers can be glued around what the witness names")
     used = {x for c in conditions for x in (*c.regions, *(name for _, name, _ in c.changes))}

@@ -26,10 +26,10 @@ def check(surface, witness):
     link = Link(link_of(surface, v))
     w = link.count_layers(link.outside(0), found[0][0])
     if any(w[link.outside(k)] != level[0] for k, level in enumerate(found)):
-        raise Refuted("the winding numbers around the vertex do not agree")
+        raise Refuted("the winding numbers around the vertex disagree")
     if is_filled(link, w, value, [min(level) for level in found]):
         raise Refuted(f"the link of vertex {v} bounds a disc")
-    return f"B0 of vertex {v} is {value}, and no tets with positive volume can fill what is around it"
+    return f"B0 of vertex {v} is {value}, and no tets with positive volume can fill the space around it"
 
 
 def is_filled(link, w, value, most):

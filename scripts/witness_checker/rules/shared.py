@@ -40,7 +40,7 @@ def check(surface, witness):
         raise Refuted(f"there is room for {room} layers")
     for v, needed in zip(vertices, layers):
         if needed > 0 and is_filled_below(surface, v, needed):
-            raise Refuted(f"the link of vertex {v} bounds a disc with less than {needed} more layers")
+            raise Refuted(f"the link of vertex {v} bounds a disc with fewer than {needed} more layers")
     return f"around vertex {vertices[0]} tets need {sum(layers)} more layers than their faces show, and there is room for {room}"
 
 

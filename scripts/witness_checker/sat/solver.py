@@ -52,4 +52,4 @@ def check_values(clauses, said):
     lines = (line.split()[1:] for line in said.splitlines() if line.startswith("v "))
     true = {int(x) for words in lines for x in words}
     if any(-x in true for x in true if x != 0) or not all(any(x in true for x in clause) for clause in clauses):
-        raise Undecided(f"the values that {PROGRAM} gives do not satisfy what they should")
+        raise Undecided(f"the values that {PROGRAM} gives do not satisfy the clauses")
