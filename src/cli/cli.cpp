@@ -36,6 +36,76 @@ void add_common(CLI::App& command, CommonOptions& o) {
       ->capture_default_str();
 }
 
+CLI::App* add_mesh(CLI::App& app, MeshCommand& mesh) {
+  CLI::App* command = app.add_subcommand("mesh", "Make a tet mesh of a surface");
+  command->add_option("INPUT", mesh.input, "Surface: .obj, .off, .ply or .stl")->required();
+  command->add_option("--output,-o", mesh.output, "Tet mesh: .mesh, .msh, .vtu, or .node (with .ele)")
+      ->required();
+  command
+      ->add_option("--format", mesh.format,
+                   "medit, msh22, msh41, vtu or tetgen (default: by the output's name)")
+      ->check(CLI::IsMember({"medit", "msh22", "msh41", "vtu", "tetgen"}));
+  command->add_option("--report", mesh.report, "Write a report (JSON), also when there is no mesh");
+  command->add_option("--on-infeasible", mesh.on_infeasible, "reject or repair")
+      ->check(CLI::IsMember({"reject", "repair"}))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--preset", mesh.preset,
+          "default: without flows where that works; flow (or paper): flows and a volumetric map only")
+      ->check(CLI::IsMember({"default", "flow", "paper"}))
+      ->capture_default_str();
+  command
+      ->add_option("--improve", mesh.improve_degrees,
+                   "Smallest dihedral angle to aim at, in degrees; 0: no quality pass")
+      ->check(CLI::Range(0.0, 40.0))
+      ->capture_default_str();
+  command->add_option("--save-stages", mesh.save_stages, "Folder for the intermediate states");
+  command->add_option("--resume", mesh.resume, "Folder of an earlier --save-stages to continue from");
+  return command;
+}
+
+CLI::App* add_inspect(CLI::App& app, InspectCommand& inspect) {
+  CLI::App* command =
+      app.add_subcommand("inspect", "Say what a surface is like and whether it can be meshed");
+  command->add_option("INPUT", inspect.input, "Surface: .obj, .off, .ply or .stl")->required();
+  command->add_flag("--json", inspect.json, "As JSON");
+  command->add_flag("--pairs", inspect.pairs, "List the intersecting pairs of faces");
+  command->add_flag("--curves", inspect.curves,
+                    "With --json: every point of the curves, with its two places on the surface");
+  command->add_option("--save-curves", inspect.save_curves,
+                      "Write the curves in which the surface crosses itself: .vtp or .obj");
+  return command;
+}
+
+CLI::App* add_repair(CLI::App& app, RepairCommand& repair) {
+  CLI::App* command = app.add_subcommand(
+      "repair", "Move a few vertices of a surface a little, so that a tet mesh of it exists, and make that");
+  command->add_option("INPUT", repair.input, "Surface: .obj, .off, .ply or .stl")->required();
+  command
+      ->add_option("--output,-o", repair.output,
+                   "Tet mesh: .mesh, .msh, .vtu, .node or .ele; or the repaired surface: .off, .obj or .ply")
+      ->required();
+  command->add_flag("--surface-only", repair.surface_only, "Write the repaired surface, make no mesh");
+  command->add_option("--report", repair.report, "Write a JSON report (with a tet mesh only)");
+  command->add_option("--max-move", repair.max_move, "Largest move of a vertex, in percent of the diagonal")
+      ->check(CLI::Range(1e-6, 100.0))
+      ->capture_default_str();
+  return command;
+}
+
+CLI::App* add_verify(CLI::App& app, VerifyCommand& verify) {
+  CLI::App* command = app.add_subcommand("verify", "Check a tet mesh against its surface, exactly");
+  command->add_option("SURFACE", verify.surface, "Surface: .obj, .off, .ply or .stl")->required();
+  command->add_option("TETMESH", verify.mesh, "Tet mesh: .mesh, .msh, .vtu, .node or .ele")->required();
+  command
+      ->add_option("--max-move", verify.max_move,
+                   "Allow surface vertices to have moved by this part of the diagonal")
+      ->check(CLI::NonNegativeNumber);
+  command->add_flag("--json", verify.json, "As JSON");
+  return command;
+}
+
 int parse_and_run(int argc, char** argv) {
   CLI::App app(
       "Overtet makes tetrahedral meshes of closed triangle surfaces that pass through themselves: every "
@@ -51,81 +121,25 @@ int parse_and_run(int argc, char** argv) {
 
   CommonOptions common;
   MeshCommand mesh;
-  CLI::App* mesh_app = app.add_subcommand("mesh", "Make a tet mesh of a surface");
-  mesh_app->add_option("INPUT", mesh.input, "Surface: .obj, .off, .ply or .stl")->required();
-  mesh_app->add_option("--output,-o", mesh.output, "Tet mesh: .mesh, .msh, .vtu, or .node (with .ele)")
-      ->required();
-  mesh_app
-      ->add_option("--format", mesh.format,
-                   "medit, msh22, msh41, vtu or tetgen (default: by the output's name)")
-      ->check(CLI::IsMember({"medit", "msh22", "msh41", "vtu", "tetgen"}));
-  mesh_app->add_option("--report", mesh.report, "Write a report (JSON), also when there is no mesh");
-  mesh_app->add_option("--on-infeasible", mesh.on_infeasible, "reject or repair")
-      ->check(CLI::IsMember({"reject", "repair"}))
-      ->capture_default_str();
-  mesh_app
-      ->add_option(
-          "--preset", mesh.preset,
-          "default: without flows where that works; flow (or paper): flows and a volumetric map only")
-      ->check(CLI::IsMember({"default", "flow", "paper"}))
-      ->capture_default_str();
-  mesh_app
-      ->add_option("--improve", mesh.improve_degrees,
-                   "Smallest dihedral angle to aim at, in degrees; 0: no quality pass")
-      ->check(CLI::Range(0.0, 40.0))
-      ->capture_default_str();
-  mesh_app->add_option("--save-stages", mesh.save_stages, "Folder for the intermediate states");
-  mesh_app->add_option("--resume", mesh.resume, "Folder of an earlier --save-stages to continue from");
-  add_common(*mesh_app, common);
-
   InspectCommand inspect;
-  CLI::App* inspect_app =
-      app.add_subcommand("inspect", "Say what a surface is like and whether it can be meshed");
-  inspect_app->add_option("INPUT", inspect.input, "Surface: .obj, .off, .ply or .stl")->required();
-  inspect_app->add_flag("--json", inspect.json, "As JSON");
-  inspect_app->add_flag("--pairs", inspect.pairs, "List the intersecting pairs of faces");
-  inspect_app->add_flag("--curves", inspect.curves,
-                        "With --json: every point of the curves, with its two places on the surface");
-  inspect_app->add_option("--save-curves", inspect.save_curves,
-                          "Write the curves in which the surface crosses itself: .vtp or .obj");
-  add_common(*inspect_app, common);
-
   RepairCommand repair;
-  CLI::App* repair_app = app.add_subcommand(
-      "repair", "Move a few vertices of a surface a little, so that a tet mesh of it exists, and make that");
-  repair_app->add_option("INPUT", repair.input, "Surface: .obj, .off, .ply or .stl")->required();
-  repair_app
-      ->add_option("--output,-o", repair.output,
-                   "Tet mesh: .mesh, .msh, .vtu, .node or .ele; or the repaired surface: .off, .obj or .ply")
-      ->required();
-  repair_app->add_flag("--surface-only", repair.surface_only, "Write the repaired surface, make no mesh");
-  repair_app->add_option("--report", repair.report, "Write a JSON report (with a tet mesh only)");
-  repair_app
-      ->add_option("--max-move", repair.max_move, "Largest move of a vertex, in percent of the diagonal")
-      ->check(CLI::Range(1e-6, 100.0))
-      ->capture_default_str();
-  add_common(*repair_app, common);
-
   VerifyCommand verify;
-  CLI::App* verify_app = app.add_subcommand("verify", "Check a tet mesh against its surface, exactly");
-  verify_app->add_option("SURFACE", verify.surface, "Surface: .obj, .off, .ply or .stl")->required();
-  verify_app->add_option("TETMESH", verify.mesh, "Tet mesh: .mesh, .msh, .vtu, .node or .ele")->required();
-  verify_app
-      ->add_option("--max-move", verify.max_move,
-                   "Allow surface vertices to have moved by this part of the diagonal")
-      ->check(CLI::NonNegativeNumber);
-  verify_app->add_flag("--json", verify.json, "As JSON");
-  add_common(*verify_app, common);
+  CLI::App* mesh_app = add_mesh(app, mesh);
+  CLI::App* inspect_app = add_inspect(app, inspect);
+  CLI::App* repair_app = add_repair(app, repair);
+  CLI::App* verify_app = add_verify(app, verify);
+  for (CLI::App* command : {mesh_app, inspect_app, repair_app, verify_app}) add_common(*command, common);
 
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& e) {
     return app.exit(e);  // --help, --version
   } catch (const CLI::ParseError& e) {
-    Terminal terminal(LogLevel::warning, false);
+    Terminal terminal(LogLevel::warning, Terminal::Talk::all);
     return fail(terminal, {ErrorCode::usage, std::string(e.what()) + " (see overtet --help)"});
   }
-  Terminal terminal(common.quiet ? LogLevel::error : level_named(common.log_level), common.quiet);
+  Terminal terminal(common.quiet ? LogLevel::error : level_named(common.log_level),
+                    common.quiet ? Terminal::Talk::errors_only : Terminal::Talk::all);
   install_signal_handlers();
   if (*mesh_app) return run(mesh, common, terminal);
   if (*inspect_app) return run(inspect, common, terminal);
