@@ -58,6 +58,7 @@ struct ExtraTurns {
   int k = 0;
 };
 
+// More than 12 members: a plain record of findings, each on its own, that callers read by name.
 struct SurfaceDiagnosis {
   Verdict verdict = Verdict::bad_input;
   std::string message;                     // one sentence: why

@@ -39,6 +39,7 @@ struct InputRecord {
   std::optional<int> winding_min, winding_max;  // absent: not looked at
 };
 
+// More than 12 members: a plain record of what the JSON shows.
 struct Report {
   std::vector<Figure> options;  // as the run used them
   InputRecord input;

@@ -55,7 +55,8 @@ ContactMesh::ContactMesh(const VertexMatrix& X, const TriangleMatrix& F, const s
 
 ContactMesh::ContactMesh(const VertexMatrix& X, const TriangleMatrix& F, const std::vector<char>& free,
                          const VertexMatrix& rest, const Eigen::VectorXd& h, const ContactRule& rule)
-    : F_(F), free_(free), rest_(rest), h_(h), full_h_(h), rule_(rule) {
+    : F_(F), free_(free), rest_(rest), h_(h), rule_(rule) {
+  lists_.most_h = h;
   OVERTET_EXPECTS(all_below(F, X.rows()) && X.allFinite() && rest.allFinite() && h.allFinite());
   const Index vertices = static_cast<Index>(X.rows()), faces = static_cast<Index>(F.rows());
   std::vector<std::pair<Index, Index>> edges;
@@ -67,16 +68,16 @@ ContactMesh::ContactMesh(const VertexMatrix& X, const TriangleMatrix& F, const s
     }
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-  ring_begin_.assign(static_cast<std::size_t>(vertices) + 1, 0);
-  ring_.reserve(edges.size());
+  rings_.begin.assign(static_cast<std::size_t>(vertices) + 1, 0);
+  rings_.to.reserve(edges.size());
   for (const auto& [a, b] : edges) {
-    ++ring_begin_[a + 1];
-    ring_.push_back(b);
+    ++rings_.begin[a + 1];
+    rings_.to.push_back(b);
   }
-  for (Index v = 0; v < vertices; ++v) ring_begin_[v + 1] += ring_begin_[v];
+  for (Index v = 0; v < vertices; ++v) rings_.begin[v + 1] += rings_.begin[v];
 
   owns_.assign(static_cast<std::size_t>(faces), 0);
-  std::vector<char> vertex_taken(static_cast<std::size_t>(vertices), 0), edge_taken(ring_.size(), 0);
+  std::vector<char> vertex_taken(static_cast<std::size_t>(vertices), 0), edge_taken(rings_.to.size(), 0);
   for (Index f = 0; f < faces; ++f) {
     bool any_free = false;
     for (int k = 0; k < 3; ++k) {
@@ -84,27 +85,29 @@ ContactMesh::ContactMesh(const VertexMatrix& X, const TriangleMatrix& F, const s
       if (!std::exchange(vertex_taken[F(f, k)], 1)) owns_[f] |= static_cast<unsigned char>(1 << k);
       const Index a = std::min(F(f, (k + 1) % 3), F(f, (k + 2) % 3)),
                   b = std::max(F(f, (k + 1) % 3), F(f, (k + 2) % 3));
-      const auto at = std::lower_bound(ring_.begin() + ring_begin_[a], ring_.begin() + ring_begin_[a + 1], b);
-      if (!std::exchange(edge_taken[at - ring_.begin()], 1)) owns_[f] |= static_cast<unsigned char>(8 << k);
+      const auto at =
+          std::lower_bound(rings_.to.begin() + rings_.begin[a], rings_.to.begin() + rings_.begin[a + 1], b);
+      if (!std::exchange(edge_taken[at - rings_.to.begin()], 1))
+        owns_[f] |= static_cast<unsigned char>(8 << k);
     }
-    (any_free ? free_faces_ : frozen_faces_).push_back(f);
+    (any_free ? free_faces_.list : frozen_faces_.list).push_back(f);
   }
 
-  std::vector<Box> boxes(frozen_faces_.size());
+  std::vector<Box> boxes(frozen_faces_.list.size());
   for (std::size_t i = 0; i < boxes.size(); ++i) {
-    boxes[i] = box_of_face(X, F_, frozen_faces_[i]);
-    boxes[i].grow(margin(frozen_faces_[i]));
+    boxes[i] = box_of_face(X, F_, frozen_faces_.list[i]);
+    boxes[i].grow(margin(frozen_faces_.list[i]));
   }
-  frozen_tree_.build(boxes);
+  frozen_faces_.tree.build(boxes);
   for (Index v = 0; v < vertices; ++v)
     if (free_[v]) free_vertices_.push_back(v);
-  boxes_.resize(free_faces_.size());
-  for (std::size_t i = 0; i < boxes_.size(); ++i) boxes_[i] = box_of_face(X, F_, free_faces_[i]);
-  free_tree_.build(boxes_);
+  boxes_.resize(free_faces_.list.size());
+  for (std::size_t i = 0; i < boxes_.size(); ++i) boxes_[i] = box_of_face(X, F_, free_faces_.list[i]);
+  free_faces_.tree.build(boxes_);
 }
 
 bool ContactMesh::adjacent(Index a, Index b) const {
-  return std::binary_search(ring_.begin() + ring_begin_[a], ring_.begin() + ring_begin_[a + 1], b);
+  return std::binary_search(rings_.to.begin() + rings_.begin[a], rings_.to.begin() + rings_.begin[a + 1], b);
 }
 
 // Half of the largest dhat of any pair of this face, and its skin: two grown boxes overlap when the pair is,
@@ -126,14 +129,14 @@ double ContactMesh::reach_of(bool near, double rest, double h) const {
 }
 
 bool ContactMesh::remembered(const VertexMatrix& X) const {
-  if (list_X_.rows() != X.rows()) return false;
+  if (lists_.X.rows() != X.rows()) return false;
   return parallel_reduce(
       static_cast<std::int64_t>(free_vertices_.size()), kLightGrain, true,
       [&](std::int64_t begin, std::int64_t end) {
         for (std::int64_t i = begin; i < end; ++i) {
           const Index v = free_vertices_[i];
-          if (h_[v] > list_h_[v] ||
-              !((X.row(v) - list_X_.row(v)).squaredNorm() <= list_skin_[v] * list_skin_[v]))
+          if (h_[v] > lists_.h[v] ||
+              !((X.row(v) - lists_.X.row(v)).squaredNorm() <= lists_.skin[v] * lists_.skin[v]))
             return false;
         }
         return true;
@@ -143,18 +146,18 @@ bool ContactMesh::remembered(const VertexMatrix& X) const {
 
 template <class BoxOf>
 std::vector<IndexPair> ContactMesh::candidates(const BoxOf& box_of) {
-  parallel_for(static_cast<std::int64_t>(free_faces_.size()), kLightGrain,
+  parallel_for(static_cast<std::int64_t>(free_faces_.list.size()), kLightGrain,
                [&](std::int64_t begin, std::int64_t end) {
-                 for (std::int64_t i = begin; i < end; ++i) boxes_[i] = box_of(free_faces_[i]);
+                 for (std::int64_t i = begin; i < end; ++i) boxes_[i] = box_of(free_faces_.list[i]);
                });
-  free_tree_.refit(boxes_);
+  free_faces_.tree.refit(boxes_);
   std::vector<IndexPair> pairs =
-      free_tree_.collect_self_pairs<IndexPair>([&](Index a, Index b, std::vector<IndexPair>& out) {
-        out.push_back({free_faces_[a], free_faces_[b]});
+      free_faces_.tree.collect_self_pairs<IndexPair>([&](Index a, Index b, std::vector<IndexPair>& out) {
+        out.push_back({free_faces_.list[a], free_faces_.list[b]});
       });
-  const std::vector<IndexPair> mixed =
-      free_tree_.collect_pairs<IndexPair>(frozen_tree_, [&](Index a, Index b, std::vector<IndexPair>& out) {
-        out.push_back({free_faces_[a], frozen_faces_[b]});
+  const std::vector<IndexPair> mixed = free_faces_.tree.collect_pairs<IndexPair>(
+      frozen_faces_.tree, [&](Index a, Index b, std::vector<IndexPair>& out) {
+        out.push_back({free_faces_.list[a], frozen_faces_.list[b]});
       });
   pairs.insert(pairs.end(), mixed.begin(), mixed.end());
   return pairs;
@@ -188,39 +191,40 @@ void ContactMesh::primitives(const IndexPair& faces, Visit&& visit) const {
 void ContactMesh::remember(const VertexMatrix& X) {
   // How far the fastest vertex went per use of the last list: a list that would not last is not worth a skin.
   double pace = kSkinMost;
-  if (list_X_.rows() == X.rows() && list_uses_ > 0) {
+  if (lists_.X.rows() == X.rows() && lists_.uses > 0) {
     pace = 0;
-    for (Index v : free_vertices_) pace = std::max(pace, (X.row(v) - list_X_.row(v)).norm() / list_h_[v]);
-    pace /= list_uses_;
+    for (Index v : free_vertices_) pace = std::max(pace, (X.row(v) - lists_.X.row(v)).norm() / lists_.h[v]);
+    pace /= lists_.uses;
   }
-  skin_ = 2 * pace <= kSkinMost ? std::clamp(10 * pace, kSkinLeast, kSkinMost) : kSkinLeast;
+  lists_.relative_skin = 2 * pace <= kSkinMost ? std::clamp(10 * pace, kSkinLeast, kSkinMost) : kSkinLeast;
   const Eigen::VectorXd now = h_;
-  list_X_ = X;
-  list_h_ = full_h_.cwiseMin(kSkinGrowth * h_);
-  list_uses_ = 0;
-  list_skin_ = skin_ * list_h_;
-  for (Eigen::Index v = 0; v < list_skin_.size(); ++v)
-    if (!free_[v]) list_skin_[v] = 0;
-  h_ = list_h_;  // margins of the lengths to come
+  lists_.X = X;
+  lists_.h = lists_.most_h.cwiseMin(kSkinGrowth * h_);
+  lists_.uses = 0;
+  lists_.skin = lists_.relative_skin * lists_.h;
+  for (Eigen::Index v = 0; v < lists_.skin.size(); ++v)
+    if (!free_[v]) lists_.skin[v] = 0;
+  h_ = lists_.h;  // margins of the lengths to come
   const std::vector<IndexPair> pairs = candidates([&](Index f) {
     Box box = box_of_face(X, F_, f);
-    box.grow(margin(f) - (kSkinMost - skin_) * std::max({h_[F_(f, 0)], h_[F_(f, 1)], h_[F_(f, 2)]}));
+    box.grow(margin(f) -
+             (kSkinMost - lists_.relative_skin) * std::max({h_[F_(f, 0)], h_[F_(f, 1)], h_[F_(f, 2)]}));
     return box;
   });
   h_ = now;
   const auto skin_of_face = [&](Index f) {
-    return std::max({list_skin_[F_(f, 0)], list_skin_[F_(f, 1)], list_skin_[F_(f, 2)]});
+    return std::max({lists_.skin[F_(f, 0)], lists_.skin[F_(f, 1)], lists_.skin[F_(f, 2)]});
   };
-  list_ = parallel_collect<Primitive>(
+  lists_.primitives = parallel_collect<Primitive>(
       static_cast<std::int64_t>(pairs.size()), kMediumGrain,
       [&](std::int64_t begin, std::int64_t end, std::vector<Primitive>& out) {
         for (std::int64_t i = begin; i < end; ++i) {
           primitives(pairs[i], [&](PairKind kind, const std::array<Index, 4>& v) {
             const int split = kind == PairKind::vertex_triangle ? 1 : 2;
             double skin[2] = {0, 0};
-            for (int k = 0; k < 4; ++k) skin[k >= split] = std::max(skin[k >= split], list_skin_[v[k]]);
+            for (int k = 0; k < 4; ++k) skin[k >= split] = std::max(skin[k >= split], lists_.skin[v[k]]);
             const double reach =
-                std::max(rule_.reach, rule_.ring_floor) * mean_edge(v, kind, list_h_) + skin[0] + skin[1];
+                std::max(rule_.reach, rule_.ring_floor) * mean_edge(v, kind, lists_.h) + skin[0] + skin[1];
             for (int axis = 0; axis < 3; ++axis) {
               double low[2], high[2];
               for (int part = 0; part < 2; ++part) {
@@ -239,12 +243,12 @@ void ContactMesh::remember(const VertexMatrix& X) {
             for (int a = 0; a < split && !near; ++a)
               for (int b = split; b < 4 && !near; ++b) near = adjacent(v[a], v[b]);
             const double rest = near ? closest_points(kind, corners(rest_, v)).distance : 0;
-            if (distance >= reach_of(near, rest, mean_edge(v, kind, list_h_)) + skin[0] + skin[1]) return;
+            if (distance >= reach_of(near, rest, mean_edge(v, kind, lists_.h)) + skin[0] + skin[1]) return;
             out.push_back({v, kind, near, rest});
           });
         }
       });
-  list_faces_ = parallel_collect<IndexPair>(
+  lists_.faces = parallel_collect<IndexPair>(
       static_cast<std::int64_t>(pairs.size()), kMediumGrain,
       [&](std::int64_t begin, std::int64_t end, std::vector<IndexPair>& out) {
         for (std::int64_t i = begin; i < end; ++i) {
@@ -257,19 +261,19 @@ void ContactMesh::remember(const VertexMatrix& X) {
 }
 
 void ContactMesh::set_mean_edges(const Eigen::VectorXd& h) {
-  OVERTET_EXPECTS(h.size() == full_h_.size() && (h.array() <= full_h_.array()).all());
+  OVERTET_EXPECTS(h.size() == lists_.most_h.size() && (h.array() <= lists_.most_h.array()).all());
   h_ = h;
 }
 
 std::vector<Contact> ContactMesh::find_contacts(const VertexMatrix& X) {
   OVERTET_EXPECTS(X.allFinite());
   if (!remembered(X)) remember(X);
-  ++list_uses_;
+  ++lists_.uses;
   auto found = parallel_collect<Contact>(
-      static_cast<std::int64_t>(list_.size()), kMediumGrain,
+      static_cast<std::int64_t>(lists_.primitives.size()), kMediumGrain,
       [&](std::int64_t begin, std::int64_t end, std::vector<Contact>& out) {
         for (std::int64_t i = begin; i < end; ++i) {
-          const Primitive& p = list_[i];
+          const Primitive& p = lists_.primitives[i];
           const double h = mean_edge(p.v, p.kind, h_);
           double dhat = rule_.reach * h;
           if (p.near) dhat = std::max(std::min(dhat, rule_.ring_reach * p.rest), rule_.ring_floor * h);
@@ -323,15 +327,15 @@ std::vector<ContactMesh::Hit> ContactMesh::check_step(const VertexMatrix& X, con
   // A skin is convex: when both ends of the way lie in it, so does the way.
   if (h_.size() > 0 && remembered(X) && remembered(Y)) {
     std::vector<Hit> hits =
-        parallel_collect<Hit>(static_cast<std::int64_t>(list_.size()), kMediumGrain,
+        parallel_collect<Hit>(static_cast<std::int64_t>(lists_.primitives.size()), kMediumGrain,
                               [&](std::int64_t begin, std::int64_t end, std::vector<Hit>& out) {
                                 for (std::int64_t i = begin; i < end; ++i)
-                                  check_primitive(list_[i].kind, list_[i].v, out);
+                                  check_primitive(lists_.primitives[i].kind, lists_.primitives[i].v, out);
                               });
     const std::vector<Hit> more =
-        parallel_collect<Hit>(static_cast<std::int64_t>(list_faces_.size()), kMediumGrain,
+        parallel_collect<Hit>(static_cast<std::int64_t>(lists_.faces.size()), kMediumGrain,
                               [&](std::int64_t begin, std::int64_t end, std::vector<Hit>& out) {
-                                for (std::int64_t i = begin; i < end; ++i) check_faces(list_faces_[i], out);
+                                for (std::int64_t i = begin; i < end; ++i) check_faces(lists_.faces[i], out);
                               });
     hits.insert(hits.end(), more.begin(), more.end());
     return hits;

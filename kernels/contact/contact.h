@@ -78,12 +78,13 @@ class ContactMesh {
   std::vector<Hit> check_step(const VertexMatrix& X, const VertexMatrix& P);
 
   // Faces with a free vertex, ascending.
-  const std::vector<Index>& free_faces() const { return free_faces_; }
+  const std::vector<Index>& free_faces() const { return free_faces_.list; }
   // Joined by an edge.
   bool adjacent(Index a, Index b) const;
   // Sorted neighbours of v.
   std::span<const Index> ring(Index v) const {
-    return {ring_.data() + ring_begin_[v], static_cast<std::size_t>(ring_begin_[v + 1] - ring_begin_[v])};
+    return {rings_.to.data() + rings_.begin[v],
+            static_cast<std::size_t>(rings_.begin[v + 1] - rings_.begin[v])};
   }
 
  private:
@@ -105,26 +106,37 @@ class ContactMesh {
   bool remembered(const VertexMatrix& X) const;
   void remember(const VertexMatrix& X);
 
+  struct Faces {
+    std::vector<Index> list;  // ascending
+    BoxTree tree;
+  };
+  struct Rings {
+    std::vector<Index> begin, to;
+  };
+  // What can come into reach while no vertex leaves its skin.
+  struct Lists {
+    Eigen::VectorXd most_h;    // the constructor's
+    VertexMatrix X;            // where they were made; empty: no lists
+    Eigen::VectorXd h, skin;   // for which lengths, and how far a vertex may go
+    double relative_skin = 0;  // to the mean edge
+    int uses = 0;
+    std::vector<Primitive> primitives;  // every pair that can come into reach
+    std::vector<IndexPair> faces;       // every pair of faces whose boxes can overlap
+  };
+
   TriangleMatrix F_;
   std::vector<char> free_;
   VertexMatrix rest_;
-  Eigen::VectorXd h_, full_h_;
+  Eigen::VectorXd h_;
   ContactRule rule_;
-  std::vector<Index> free_faces_, frozen_faces_;
+  Faces free_faces_, frozen_faces_;
   // What a face stands for, so that every vertex and every edge is looked at once: bit k: corner k, bit
   // 3 + k: the edge opposite to corner k [representative triangles: Curtis, Tamstorf, Manocha 2008].
   std::vector<unsigned char> owns_;
-  std::vector<Index> ring_begin_, ring_;
-  std::vector<Box> boxes_;
-  BoxTree free_tree_, frozen_tree_;
-
-  VertexMatrix list_X_;                 // where the lists were made; empty: no lists
-  Eigen::VectorXd list_h_, list_skin_;  // for which lengths, and how far a vertex may go
-  double skin_ = 0;                     // part of the mean edge
-  int list_uses_ = 0;
+  Rings rings_;
+  std::vector<Box> boxes_;  // of the free faces
   std::vector<Index> free_vertices_;
-  std::vector<Primitive> list_;        // every pair that can come into reach
-  std::vector<IndexPair> list_faces_;  // every pair of faces whose boxes can overlap
+  Lists lists_;
 };
 
 }  // namespace overtet

@@ -84,10 +84,8 @@ class Tracer {
       if (drop[i]) continue;
       for (int e = 0; e < 2; ++e)
         touching_[all[i].node[e]].emplace_back(static_cast<Index>(segments_.size()), e);
-      number_.push_back(i);
       segments_.push_back(all[i]);
-      overlaid_.push_back(graph_.cuts(i).overlaid);
-      cuts_.push_back(cuts_of(i));
+      found_on_.push_back({i, cuts_of(i), graph_.cuts(i).overlaid});
     }
   }
 
@@ -131,6 +129,12 @@ class Tracer {
     Index node;
     const Cut* cut;
   };
+  // One curve.
+  struct Course {
+    std::vector<Step> steps;
+    std::vector<Piece> pieces;
+    std::vector<Place> places;
+  };
 
   bool is_hinge(Index node) const {
     return nodes_[node][0].dimension == 0 && nodes_[node][0] == nodes_[node][1];
@@ -144,24 +148,22 @@ class Tracer {
         for (int e = 0; e < 2 && !used[s]; ++e)
           if (closed || !goes_on(segments_[s].node[e])) follow(s, e, used);
     // By the smallest pair of faces, which is the first segment of the walk or not.
-    std::vector<Index> order(steps_.size()), least(steps_.size());
-    for (std::size_t c = 0; c < steps_.size(); ++c) {
+    std::vector<Index> order(courses_.size()), least(courses_.size());
+    for (std::size_t c = 0; c < courses_.size(); ++c) {
       order[c] = static_cast<Index>(c);
-      least[c] = steps_[c][0].segment;
-      for (const Step& step : steps_[c]) least[c] = std::min(least[c], step.segment);
+      least[c] = courses_[c].steps[0].segment;
+      for (const Step& step : courses_[c].steps) least[c] = std::min(least[c], step.segment);
     }
     std::sort(order.begin(), order.end(), [&](Index a, Index b) { return least[a] < least[b]; });
-    std::vector<std::vector<Step>> steps;
+    std::vector<Course> courses;
     std::vector<Curve> curves;
     for (const Index c : order) {
-      steps.push_back(std::move(steps_[c]));
+      courses.push_back(std::move(courses_[c]));
       curves.push_back(std::move(out_.curves[c]));
     }
-    steps_ = std::move(steps);
+    courses_ = std::move(courses);
     out_.curves = std::move(curves);
-    pieces_.resize(steps_.size());
-    places_.resize(steps_.size());
-    for (std::size_t c = 0; c < steps_.size(); ++c) lay_out(c);
+    for (std::size_t c = 0; c < courses_.size(); ++c) lay_out(c);
   }
 
   void follow(Index first, int enters, std::vector<char>& used) {
@@ -194,13 +196,14 @@ class Tracer {
       };
       curve.ends = {kind(steps.front(), true), kind(steps.back(), false)};
     }
-    steps_.push_back(std::move(steps));
+    courses_.push_back({std::move(steps), {}, {}});
     out_.curves.push_back(std::move(curve));
   }
 
   // Nodes and segments of a curve, without what is computed later.
   void lay_out(std::size_t c) {
     Curve& curve = out_.curves[c];
+    Course& course = courses_[c];
     const auto begin = [&](Index node) {
       CurveNode out;
       const Meeting& m = nodes_[node];
@@ -210,12 +213,12 @@ class Tracer {
       }
       out.position = position(node).near;
       curve.nodes.push_back(out);
-      places_[c].push_back({node, nullptr});
+      course.places.push_back({node, nullptr});
     };
-    for (const Step& step : steps_[c]) {
+    for (const Step& step : course.steps) {
       const RawSegment& s = segments_[step.segment];
       begin(s.node[step.enters]);
-      const auto& cuts = cuts_[step.segment];
+      const auto& cuts = found_on_[step.segment].cuts;
       const int n = static_cast<int>(cuts.size());
       const Point &a = position(s.node[0]), &b = position(s.node[1]);
       for (int i = 0; i <= n; ++i) {
@@ -229,7 +232,7 @@ class Tracer {
           out.kind = CurveNode::Kind::triple;
           for (int j = 0; j < 3; ++j) out.position[j] = a.near[j] + before.near * (b.near[j] - a.near[j]);
           curve.nodes.push_back(out);
-          places_[c].push_back({-1, &before});
+          course.places.push_back({-1, &before});
         } else {
           const Meeting& m = nodes_[s.node[step.enters]];
           piece.follows = m[0].dimension == 1 && m[1].dimension == 2;
@@ -239,11 +242,11 @@ class Tracer {
         if (step.sheet == 1) std::swap(segment.faces[0], segment.faces[1]);
         segment.crossing = s.plain();
         curve.segments.push_back(segment);
-        pieces_[c].push_back(std::move(piece));
+        course.pieces.push_back(std::move(piece));
       }
     }
     if (!curve.closed) {
-      const Step& last = steps_[c].back();
+      const Step& last = course.steps.back();
       begin(segments_[last.segment].node[1 - last.enters]);
     }
   }
@@ -256,15 +259,15 @@ class Tracer {
       Index curve, node;
     };
     std::vector<Entry> all;
-    for (Index c = 0; c < static_cast<Index>(places_.size()); ++c)
-      for (Index i = 0; i < static_cast<Index>(places_[c].size()); ++i) {
-        const Place& place = places_[c][i];
+    for (Index c = 0; c < static_cast<Index>(courses_.size()); ++c)
+      for (Index i = 0; i < static_cast<Index>(courses_[c].places.size()); ++i) {
+        const Place& place = courses_[c].places[i];
         if (place.node >= 0) {
           all.push_back({position(place.node), nullptr, c, i});
         } else if (place.cut->plain) {
           all.push_back({{}, &place.cut->faces, c, i});
         } else {
-          const Piece& piece = pieces_[c][i];
+          const Piece& piece = courses_[c].pieces[i];
           const RawSegment& s = segments_[piece.segment];
           const Vec& a = position(s.node[0]).x;
           all.push_back({Point(a + *place.cut->exact * (position(s.node[1]).x - a)), nullptr, c, i});
@@ -305,18 +308,19 @@ class Tracer {
   // The preimages of the nodes. Those where third faces cut a segment lie between those of its ends.
   void put_on_faces(std::size_t c) {
     Curve& curve = out_.curves[c];
+    const Course& course = courses_[c];
     const std::size_t m = curve.nodes.size();
     std::array<SurfacePoint, 2> from, to;
     for (std::size_t i = 0; i < m; ++i) {
       CurveNode& node = curve.nodes[i];
-      const Place& place = places_[c][i];
+      const Place& place = course.places[i];
       const auto& faces = curve.segments[std::min(i, curve.segments.size() - 1)].faces;
       if (place.node >= 0) {
         for (int k = 0; k < 2; ++k) node.on[k] = on_face(position(place.node).x, faces[k]);
         continue;
       }
-      if (places_[c][i - 1].node >= 0) {
-        const auto& ends = segments_[pieces_[c][i].segment].node;
+      if (course.places[i - 1].node >= 0) {
+        const auto& ends = segments_[course.pieces[i].segment].node;
         for (int k = 0; k < 2; ++k) {
           from[k] = on_face(position(ends[0]).x, faces[k]);
           to[k] = on_face(position(ends[1]).x, faces[k]);
@@ -338,11 +342,11 @@ class Tracer {
     std::optional<int> outer;  // of the segment before
     bool any = false;
     for (std::size_t i = 0; i < n; ++i) {
-      const Piece& piece = pieces_[c][i];
+      const Piece& piece = courses_[c].pieces[i];
       CurveSegment& segment = curve.segments[i];
       const auto &a = curve.nodes[i].position, &b = curve.nodes[(i + 1) % m].position;
       curve.length += std::hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
-      const bool plain = segment.crossing && !overlaid_[piece.segment];
+      const bool plain = segment.crossing && !found_on_[piece.segment].overlaid;
       const bool inside = curve.nodes[i].kind == CurveNode::Kind::triple;
       const bool follows = plain && outer && piece.follows && (inside || curve.nodes[i].junction < 0);
       if (follows) {
@@ -375,10 +379,11 @@ class Tracer {
   }
 
   std::pair<Rational, Rational> range(const Piece& piece) const {
-    const auto& cuts = cuts_[piece.segment];
+    const FoundOn& found = found_on_[piece.segment];
     const auto place = [&](const Cut& cut) {
-      return cut.exact ? *cut.exact : graph_.place(rays_, number_[piece.segment], *cut.origin);
+      return cut.exact ? *cut.exact : graph_.place(rays_, found.number, *cut.origin);
     };
+    const std::vector<Cut>& cuts = found.cuts;
     const std::size_t k = static_cast<std::size_t>(piece.number);
     return {k == 0 ? Rational(0) : place(cuts[k - 1]), k == cuts.size() ? Rational(1) : place(cuts[k])};
   }
@@ -415,6 +420,12 @@ class Tracer {
     return out;
   }
 
+  struct FoundOn {  // a segment
+    Index number;   // in the graph
+    std::vector<Cut> cuts;
+    bool overlaid;  // third faces run along it
+  };
+
   const Surface& surface_;
   IntersectionGraph& graph_;
   const std::vector<Meeting>& nodes_;
@@ -422,13 +433,9 @@ class Tracer {
   const Rays rays_;
   const Wedges wedges_;
   std::vector<RawSegment> segments_;
-  std::vector<Index> number_;                                 // of the segments, in the graph
+  std::vector<FoundOn> found_on_;                             // per segment
   std::vector<std::vector<std::pair<Index, int>>> touching_;  // per node: (segment, end)
-  std::vector<std::vector<Cut>> cuts_;                        // per segment
-  std::vector<char> overlaid_;                                // per segment: third faces run along it
-  std::vector<std::vector<Step>> steps_;                      // per curve, and so on
-  std::vector<std::vector<Piece>> pieces_;
-  std::vector<std::vector<Place>> places_;
+  std::vector<Course> courses_;                               // per curve
   Curves out_;
 };
 

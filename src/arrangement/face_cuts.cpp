@@ -11,6 +11,172 @@ namespace overtet {
 using exact::Rational;
 using exact::Vec;
 
+namespace {
+
+using Half = FaceCuts::Half;
+using Flat = FaceCuts::Flat;
+using NodePairs = FaceCuts::NodePairs;
+
+bool by_nodes(const Half& a, const Half& b) { return std::tie(a.from, a.to) < std::tie(b.from, b.to); }
+
+int orientation(const Flat& d, const Flat& e) { return exact::sign(d[0] * e[1] - d[1] * e[0]); }
+
+Flat minus(const Flat& a, const Flat& b) { return {a[0] - b[0], a[1] - b[1]}; }
+
+// Divides one face: joins half-pieces to loops; those that run around something counter-clockwise bound
+// parts, the others holes of parts, or the face from outside.
+class FaceDivision {
+ public:
+  // The first `border` pieces run along the face's border, as it turns. flat: the places of their nodes.
+  FaceDivision(Index f, const NodePairs& found, std::size_t border, std::map<Index, Flat> flat)
+      : f_(f), flat_(std::move(flat)), component_(flat_.size()) {
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      const auto [x, y] = found[k];
+      halves_.push_back({x, y});
+      halves_.push_back({y, x});
+      if (k < border) outside_.emplace(y, x);
+    }
+    std::sort(halves_.begin(), halves_.end(), by_nodes);
+    for (const auto& [x, p] : flat_) number_.emplace(x, static_cast<Index>(number_.size()));
+    for (const auto& [x, y] : found) component_.join(number_[x], number_[y]);
+    whole_ = component_.root(number_.at(found[0].first));
+  }
+
+  // Numbers parts from first_part on. Throws Degenerate.
+  void run(Index first_part) {
+    for (std::size_t b = 0; b < halves_.size();) {
+      std::size_t e = b;
+      while (e < halves_.size() && halves_[e].from == halves_[b].from) ++e;
+      join_around(b, e);
+      b = e;
+    }
+    find_loops();
+    for (Loop& loop : loops_) {
+      if (exact::sign(loop.area) <= 0) continue;
+      loop.part = first_part + static_cast<Index>(holes_.size());
+      holes_.push_back(0);
+      around(loop.first, [&](Index h) { halves_[h].part = loop.part; });
+    }
+    for (const Loop& loop : loops_) {
+      if (loop.part >= 0) continue;
+      if (component_of(loop.first) == whole_) {
+        check_outside(loop);
+        continue;
+      }
+      const Index part = part_around(loop);
+      ++holes_[part - first_part];
+      around(loop.first, [&](Index h) { halves_[h].part = part; });
+    }
+  }
+
+  const std::vector<Half>& halves() const { return halves_; }  // next: among them; part -1: outside the face
+  const std::vector<int>& holes() const { return holes_; }     // of each part
+
+ private:
+  struct Loop {
+    Index first;
+    Rational area;
+    Index part = -1;
+  };
+
+  Index find(Index x, Index y) const {
+    const auto at =
+        std::lower_bound(halves_.begin(), halves_.end(), std::make_pair(x, y),
+                         [](const Half& h, const auto& key) { return std::make_pair(h.from, h.to) < key; });
+    return static_cast<Index>(at - halves_.begin());
+  }
+
+  Index component_of(Index h) { return component_.root(number_.at(halves_[h].from)); }
+
+  template <class Use>
+  void around(Index first, Use&& use) const {
+    Index h = first;
+    do {
+      use(h);
+      h = halves_[h].next;
+    } while (h != first);
+  }
+
+  // Halves [b, e) leave one node y. After x -> y: what leaves y next, clockwise from y -> x.
+  void join_around(std::size_t b, std::size_t e) {
+    struct Direction {
+      Flat d;
+      bool low;
+      Index to;
+    };
+    std::vector<Direction> out;
+    for (std::size_t k = b; k < e; ++k) {
+      Flat d = minus(flat_[halves_[k].to], flat_[halves_[k].from]);
+      const int up = exact::sign(d[1]);
+      const bool low = !(up > 0 || (up == 0 && exact::sign(d[0]) > 0));
+      out.push_back({std::move(d), low, halves_[k].to});
+    }
+    std::sort(out.begin(), out.end(), [&](const Direction& p, const Direction& q) {
+      return p.low != q.low ? q.low : orientation(p.d, q.d) > 0;
+    });
+    for (std::size_t k = 0; k < out.size(); ++k) {
+      const std::size_t last = (k + out.size() - 1) % out.size();
+      if (out.size() > 1 && out[k].low == out[last].low && orientation(out[k].d, out[last].d) == 0)
+        throw Degenerate{"curves overlap in face " + std::to_string(f_)};
+      halves_[find(out[k].to, halves_[b].from)].next = find(halves_[b].from, out[last].to);
+    }
+  }
+
+  void find_loops() {
+    std::vector<char> seen(halves_.size(), 0);
+    for (Index start = 0; start < static_cast<Index>(halves_.size()); ++start) {
+      if (seen[start]) continue;
+      Loop loop{start, 0};
+      for (Index h = start; !seen[h]; h = halves_[h].next) {
+        seen[h] = 1;
+        const Flat &a = flat_[halves_[h].from], &b = flat_[halves_[h].to];
+        loop.area += a[0] * b[1] - a[1] * b[0];
+      }
+      loops_.push_back(std::move(loop));
+    }
+  }
+
+  // Throws where the loop is not that of the border seen from outside the face.
+  void check_outside(const Loop& loop) const {
+    around(loop.first, [&](Index h) {
+      if (!outside_.count({halves_[h].from, halves_[h].to}))
+        throw Degenerate{"face " + std::to_string(f_) + " cannot be divided"};
+    });
+  }
+
+  // Of the parts that surround a hole, the smallest.
+  Index part_around(const Loop& hole) {
+    const Flat& p = flat_[halves_[hole.first].from];
+    const Loop* best = nullptr;
+    for (const Loop& ring : loops_) {
+      if (ring.part < 0 || component_of(ring.first) == component_of(hole.first)) continue;
+      bool inside = false;
+      around(ring.first, [&](Index h) {
+        const Flat &a = flat_[halves_[h].from], &b = flat_[halves_[h].to];
+        if ((a[1] > p[1]) == (b[1] > p[1])) return;
+        const int left = orientation(minus(b, a), minus(p, a));
+        if (left == 0) throw Degenerate{"curves touch in face " + std::to_string(f_)};
+        if ((left > 0) == (b[1] > a[1])) inside = !inside;
+      });
+      if (inside && (!best || ring.area < best->area)) best = &ring;
+    }
+    if (!best) throw Degenerate{"face " + std::to_string(f_) + " cannot be divided"};
+    return best->part;
+  }
+
+  const Index f_;
+  std::map<Index, Flat> flat_;  // by node
+  std::vector<Half> halves_;
+  std::set<std::pair<Index, Index>> outside_;
+  std::map<Index, Index> number_;  // of the nodes, in component_
+  UnionFind component_;
+  Index whole_ = -1;  // the component of the border
+  std::vector<Loop> loops_;
+  std::vector<int> holes_;
+};
+
+}  // namespace
+
 void FaceCuts::run(const exact::Rays& rays, const RunContext& context) {
   if (!graph_.prepare_all(rays, context)) return;
   for (std::size_t i = 0; i < graph_.pairs().size(); ++i) number_ends(i);
@@ -88,7 +254,7 @@ void FaceCuts::number_ends(std::size_t pair) {
   std::sort(order.begin(), order.end());
   std::array<Index, 2> ends;
   for (int e = 0; e < 2; ++e) ends[e] = order[e].first < 0 ? order[e].second : number(order[e].second);
-  segments_[{f, g}] = ends;
+  crossings_[{f, g}].ends = ends;
   partners_[f].push_back(g);
   partners_[g].push_back(f);
 }
@@ -126,7 +292,7 @@ void FaceCuts::find_triples(const exact::Rays& rays) {
     added_.push_back(place);
     const auto [f, g, h] = faces;
     for (const FacePair& pair : {FacePair{f, g}, FacePair{g, h}, FacePair{f, h}})
-      triples_[pair].push_back(node);
+      crossings_[pair].triples.push_back(node);
   }
 }
 
@@ -142,7 +308,7 @@ std::vector<Index> FaceCuts::chain(std::vector<Index> nodes, const Vec& along) c
 }
 
 void FaceCuts::cut(Index f) {
-  std::vector<std::pair<Index, Index>> found;
+  NodePairs found;
   for (int k = 0; k < 3; ++k) {
     const std::vector<Index> nodes = edge_chain(3 * f + k);
     for (std::size_t i = 1; i < nodes.size(); ++i) found.emplace_back(nodes[i - 1], nodes[i]);
@@ -152,39 +318,28 @@ void FaceCuts::cut(Index f) {
   if (mine != partners_.end())
     for (const Index g : mine->second) {
       const FacePair pair{std::min(f, g), std::max(f, g)};
-      const auto& ends = segments_.at(pair);
-      std::vector<Index> nodes{ends[0], ends[1]};
-      if (const auto at = triples_.find(pair); at != triples_.end())
-        nodes.insert(nodes.end(), at->second.begin(), at->second.end());
+      const Crossing& crossing = crossings_.at(pair);
+      std::vector<Index> nodes{crossing.ends[0], crossing.ends[1]};
+      nodes.insert(nodes.end(), crossing.triples.begin(), crossing.triples.end());
       nodes = chain(std::move(nodes), exact::cross(normal(pair.first), normal(pair.second)));
       for (std::size_t i = 1; i < nodes.size(); ++i) {
         found.emplace_back(nodes[i - 1], nodes[i]);
         if (f < g) pieces.push_back({f, g, nodes[i - 1], nodes[i]});
       }
     }
-  divide(f, found, border);
+  if (found.size() == 3)
+    add_whole(f, found);
+  else
+    divide(f, found, border);
 }
 
-void FaceCuts::divide(Index f, const std::vector<std::pair<Index, Index>>& found, std::size_t border) {
-  const Index base = static_cast<Index>(halves.size());
-  if (found.size() == 3) {
-    for (const auto& [x, y] : found) halves.push_back({x, y, static_cast<Index>(face_of_part.size()), -1});
-    std::sort(halves.begin() + base, halves.end(),
-              [](const Half& a, const Half& b) { return std::tie(a.from, a.to) < std::tie(b.from, b.to); });
-    for (Index h = base; h < base + 3; ++h)
-      for (Index g = base; g < base + 3; ++g)
-        if (halves[g].from == halves[h].to) halves[h].next = g;
-    face_of_part.push_back(f);
-    holes.push_back(0);
-    return;
-  }
+std::map<Index, Flat> FaceCuts::flattened(Index f, const NodePairs& found) const {
   const Vec n = normal(f);
   int drop = 0;
   for (int k = 1; k < 3; ++k)
     if (abs(n[k]) > abs(n[drop])) drop = k;
   int i = (drop + 1) % 3, j = (drop + 2) % 3;
   if (exact::sign(n[drop]) < 0) std::swap(i, j);
-  using Flat = std::array<Rational, 2>;
   std::map<Index, Flat> flat;
   for (const auto& [x, y] : found)
     for (const Index z : {x, y})
@@ -192,116 +347,27 @@ void FaceCuts::divide(Index f, const std::vector<std::pair<Index, Index>>& found
         const Vec p = place(z);
         flat[z] = {p[i], p[j]};
       }
-  const auto turn = [](const Flat& d, const Flat& e) { return exact::sign(d[0] * e[1] - d[1] * e[0]); };
-  const auto minus = [](const Flat& a, const Flat& b) { return Flat{a[0] - b[0], a[1] - b[1]}; };
-  std::vector<Half> local;
-  std::set<std::pair<Index, Index>> outside;  // the other halves of the border belong to nothing
-  for (std::size_t k = 0; k < found.size(); ++k) {
-    const auto [x, y] = found[k];
-    local.push_back({x, y});
-    local.push_back({y, x});
-    if (k < border) outside.emplace(y, x);
-  }
-  std::sort(local.begin(), local.end(),
-            [](const Half& a, const Half& b) { return std::tie(a.from, a.to) < std::tie(b.from, b.to); });
-  const auto find = [&](Index x, Index y) {
-    const auto at =
-        std::lower_bound(local.begin(), local.end(), std::make_pair(x, y),
-                         [](const Half& h, const auto& key) { return std::make_pair(h.from, h.to) < key; });
-    return static_cast<Index>(at - local.begin());
-  };
-  // After x -> y: what leaves y next, clockwise from y -> x.
-  for (std::size_t b = 0; b < local.size();) {
-    std::size_t e = b;
-    while (e < local.size() && local[e].from == local[b].from) ++e;
-    struct Way {
-      Flat d;
-      bool low;
-      Index to;
-    };
-    std::vector<Way> ways;
-    for (std::size_t k = b; k < e; ++k) {
-      Flat d = minus(flat[local[k].to], flat[local[k].from]);
-      const int up = exact::sign(d[1]);
-      const bool low = !(up > 0 || (up == 0 && exact::sign(d[0]) > 0));
-      ways.push_back({std::move(d), low, local[k].to});
-    }
-    std::sort(ways.begin(), ways.end(),
-              [&](const Way& p, const Way& q) { return p.low != q.low ? q.low : turn(p.d, q.d) > 0; });
-    for (std::size_t k = 0; k < ways.size(); ++k) {
-      const std::size_t last = (k + ways.size() - 1) % ways.size();
-      if (ways.size() > 1 && ways[k].low == ways[last].low && turn(ways[k].d, ways[last].d) == 0)
-        throw Degenerate{"curves overlap in face " + std::to_string(f)};
-      local[find(ways[k].to, local[b].from)].next = find(local[b].from, ways[last].to);
-    }
-    b = e;
-  }
-  std::map<Index, Index> number;
-  for (const auto& [x, p] : flat) number.emplace(x, static_cast<Index>(number.size()));
-  UnionFind component(number.size());
-  for (const auto& [x, y] : found) component.join(number[x], number[y]);
-  const auto part_of = [&](Index h) { return component.root(number.at(local[h].from)); };
+  return flat;
+}
 
-  struct Loop {
-    Index first;
-    Rational area;
-    Index part = -1;
-  };
-  std::vector<Loop> loops;
-  std::vector<char> seen(local.size(), 0);
-  for (Index start = 0; start < static_cast<Index>(local.size()); ++start) {
-    if (seen[start]) continue;
-    Loop loop{start, 0};
-    for (Index h = start; !seen[h]; h = local[h].next) {
-      seen[h] = 1;
-      const Flat &a = flat[local[h].from], &b = flat[local[h].to];
-      loop.area += a[0] * b[1] - a[1] * b[0];
-    }
-    loops.push_back(std::move(loop));
-  }
-  const auto around = [&](Index first, auto&& use) {
-    Index h = first;
-    do {
-      use(h);
-      h = local[h].next;
-    } while (h != first);
-  };
-  for (Loop& loop : loops) {
-    if (exact::sign(loop.area) <= 0) continue;
-    loop.part = static_cast<Index>(face_of_part.size());
-    face_of_part.push_back(f);
-    holes.push_back(0);
-    around(loop.first, [&](Index h) { local[h].part = loop.part; });
-  }
-  const Index whole = component.root(number.at(found[0].first));
-  for (const Loop& loop : loops) {
-    if (loop.part >= 0) continue;
-    if (part_of(loop.first) == whole) {
-      around(loop.first, [&](Index h) {
-        if (!outside.count({local[h].from, local[h].to}))
-          throw Degenerate{"face " + std::to_string(f) + " cannot be divided"};
-      });
-      continue;
-    }
-    // A hole: of the parts that surround it, the smallest.
-    const Flat& p = flat[local[loop.first].from];
-    const Loop* best = nullptr;
-    for (const Loop& ring : loops) {
-      if (ring.part < 0 || part_of(ring.first) == part_of(loop.first)) continue;
-      bool inside = false;
-      around(ring.first, [&](Index h) {
-        const Flat &a = flat[local[h].from], &b = flat[local[h].to];
-        if ((a[1] > p[1]) == (b[1] > p[1])) return;
-        const int left = turn(minus(b, a), minus(p, a));
-        if (left == 0) throw Degenerate{"curves touch in face " + std::to_string(f)};
-        if ((left > 0) == (b[1] > a[1])) inside = !inside;
-      });
-      if (inside && (!best || ring.area < best->area)) best = &ring;
-    }
-    if (!best) throw Degenerate{"face " + std::to_string(f) + " cannot be divided"};
-    ++holes[best->part];
-    around(loop.first, [&](Index h) { local[h].part = best->part; });
-  }
+void FaceCuts::add_whole(Index f, const NodePairs& border) {
+  const Index base = static_cast<Index>(halves.size());
+  for (const auto& [x, y] : border) halves.push_back({x, y, static_cast<Index>(face_of_part.size()), -1});
+  std::sort(halves.begin() + base, halves.end(), by_nodes);
+  for (Index h = base; h < base + 3; ++h)
+    for (Index g = base; g < base + 3; ++g)
+      if (halves[g].from == halves[h].to) halves[h].next = g;
+  face_of_part.push_back(f);
+  holes.push_back(0);
+}
+
+void FaceCuts::divide(Index f, const NodePairs& found, std::size_t border) {
+  const Index base = static_cast<Index>(halves.size());
+  FaceDivision division(f, found, border, flattened(f, found));
+  division.run(static_cast<Index>(face_of_part.size()));
+  face_of_part.insert(face_of_part.end(), division.holes().size(), f);
+  holes.insert(holes.end(), division.holes().begin(), division.holes().end());
+  const std::vector<Half>& local = division.halves();
   std::vector<Index> to(local.size(), -1);
   for (std::size_t h = 0; h < local.size(); ++h)
     if (local[h].part >= 0) {

@@ -31,6 +31,8 @@ class FaceCuts {
   struct Piece {  // of a curve; along n_f x n_g, f < g
     Index f, g, from, to;
   };
+  using NodePairs = std::vector<std::pair<Index, Index>>;
+  using Flat = std::array<exact::Rational, 2>;  // a point of a face, two of its coordinates
 
   FaceCuts(const Surface& surface, IntersectionGraph& graph) : surface_(surface), graph_(graph) {}
 
@@ -66,17 +68,25 @@ class FaceCuts {
 
   void cut(Index f);
 
-  // The first `border` pieces run along the face's border, as it turns.
-  void divide(Index f, const std::vector<std::pair<Index, Index>>& found, std::size_t border);
+  // The nodes of the pieces in f, turned so that the face is counter-clockwise.
+  std::map<Index, Flat> flattened(Index f, const NodePairs& found) const;
+  // A face that nothing cuts, or cuts into parts: the first `border` pieces run along its border, as it
+  // turns.
+  void add_whole(Index f, const NodePairs& border);
+  void divide(Index f, const NodePairs& found, std::size_t border);
+
+  struct Crossing {  // of two faces
+    std::array<Index, 2> ends{-1, -1};
+    std::vector<Index> triples;
+  };
 
   const Surface& surface_;
   IntersectionGraph& graph_;
   std::map<Index, Index> number_;  // of the graph's nodes that are not vertices
   std::vector<exact::Vec> added_;
-  std::map<FacePair, std::array<Index, 2>> segments_;
+  std::map<FacePair, Crossing> crossings_;
   std::map<Index, std::vector<Index>> partners_;
   std::map<std::pair<Index, Index>, std::vector<Index>> on_edge_;
-  std::map<FacePair, std::vector<Index>> triples_;
 };
 
 }  // namespace overtet

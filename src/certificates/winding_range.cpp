@@ -234,25 +234,21 @@ std::optional<WindingCertificate> make_witness(const Rays& rays, const Wedge& we
   return out;
 }
 
-}  // namespace
+// Where the winding number is negative: wedges, each with the pair that shows it; (-1, -1): a component.
+struct Negatives {
+  std::vector<Wedge> wedges;
+  std::vector<FacePair> at;
+};
 
-Result<WindingRange> find_winding_range(const Surface& surface, const SurfaceTopology& topology,
-                                        const TriangleBvh& bvh, IntersectionGraph& graph,
-                                        const RunContext& context, const WindingRangeOptions& options) {
-  OVERTET_EXPECTS(degenerate_faces(surface).empty());
-  const Rays rays(surface.V, surface.F, bvh);
+// All pairs, in waves, so that the search can end early at the same place on any number of threads.
+Status look_at_pairs(const Rays& rays, IntersectionGraph& graph, const RunContext& context,
+                     const WindingRangeOptions& options, WindingRange& out, Negatives& negatives) {
   const std::vector<FacePair>& pairs = graph.pairs();
   const PairStudy study(rays, graph);
-  WindingRange out;
-  if (auto stop = context.stop()) return *stop;
-
-  // In waves, so that the search can end early at the same place on any number of threads.
-  std::vector<Wedge> negative;
-  std::vector<FacePair> negative_pair;
   constexpr std::size_t wave = 512;
   for (std::size_t first = 0; first < pairs.size(); first += wave) {
     if (auto stop = context.stop()) return *stop;
-    if (options.stop_at_first_negative && !negative.empty()) {
+    if (options.stop_at_first_negative && !negatives.wedges.empty()) {
       out.complete = false;
       break;
     }
@@ -277,51 +273,72 @@ Result<WindingRange> find_winding_range(const Surface& surface, const SurfaceTop
       out.max = std::max(out.max, x.max);
       if (x.min < 0) {
         ++out.negative_pairs;
-        negative.push_back(*x.lowest);
-        negative_pair.push_back(pairs[first + i]);
+        negatives.wedges.push_back(*x.lowest);
+        negatives.at.push_back(pairs[first + i]);
       }
     }
   }
+  return success();
+}
 
-  // One look at every component: just in front of a face, at its centre as far as doubles go.
-  for (const SurfaceComponent& component : topology.components) {
-    const Index f = component.first_face;
-    for (int attempt = 0; attempt < kRayAttempts; ++attempt) {
-      const Rational wa(3 + attempt), wb(3), wc(3 + attempt % 3);
-      const Vec m = (Rational(1) / (wa + wb + wc)) *
-                    (wa * exact::vec(rays.corner(f, 0)) + wb * exact::vec(rays.corner(f, 1)) +
-                     wc * exact::vec(rays.corner(f, 2)));
-      const Vec n = rays.normal(f), back = Rational(-1) * n;
-      const Point start(m);
-      // Others may lie in the same place.
-      const std::vector<Index> skip = rays.faces_at(start);
-      const RayCount ahead = rays.count(start, Point(n), nullptr, skip);
-      const RayCount behind = rays.count(start, Point(back), nullptr, skip);
-      if (ahead.status != RayStatus::counted || behind.status != RayStatus::counted) continue;
-      out.min = std::min(out.min, std::min(ahead.winding, behind.winding));
-      out.max = std::max(out.max, std::max(ahead.winding, behind.winding));
-      if (ahead.winding < 0 || behind.winding < 0) {
-        const bool in_front = ahead.winding <= behind.winding;
-        negative.push_back(Wedge{m, in_front ? n : back, skip, std::min(ahead.winding, behind.winding)});
-        negative_pair.emplace_back(-1, -1);
-      }
-      break;
+// One look, at a face: just in front of it and behind it, at its centre as far as rays from there count.
+void look_at_face(const Rays& rays, Index f, WindingRange& out, Negatives& negatives) {
+  for (int attempt = 0; attempt < kRayAttempts; ++attempt) {
+    const Rational wa(3 + attempt), wb(3), wc(3 + attempt % 3);
+    const Vec m = (Rational(1) / (wa + wb + wc)) *
+                  (wa * exact::vec(rays.corner(f, 0)) + wb * exact::vec(rays.corner(f, 1)) +
+                   wc * exact::vec(rays.corner(f, 2)));
+    const Vec n = rays.normal(f), back = Rational(-1) * n;
+    const Point start(m);
+    // Others may lie in the same place.
+    const std::vector<Index> skip = rays.faces_at(start);
+    const RayCount ahead = rays.count(start, Point(n), nullptr, skip);
+    const RayCount behind = rays.count(start, Point(back), nullptr, skip);
+    if (ahead.status != RayStatus::counted || behind.status != RayStatus::counted) continue;
+    out.min = std::min(out.min, std::min(ahead.winding, behind.winding));
+    out.max = std::max(out.max, std::max(ahead.winding, behind.winding));
+    if (ahead.winding < 0 || behind.winding < 0) {
+      const bool in_front = ahead.winding <= behind.winding;
+      negatives.wedges.push_back(
+          Wedge{m, in_front ? n : back, skip, std::min(ahead.winding, behind.winding)});
+      negatives.at.emplace_back(-1, -1);
     }
+    return;
   }
+}
 
-  out.negative_at = negative_pair;
-
-  // The certificate with the lowest number, plain doubles preferred; the first of those.
+// The certificate with the lowest number, plain doubles preferred; the first of those.
+std::optional<WindingCertificate> best_witness(const Rays& rays, const std::vector<Wedge>& negative) {
   std::vector<std::size_t> order(negative.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return negative[a].winding < negative[b].winding; });
+  std::optional<WindingCertificate> best;
   for (std::size_t tries = 0; tries < order.size(); ++tries) {
     auto witness = make_witness(rays, negative[order[tries]]);
     if (!witness) continue;
-    if (!out.witness || (witness->doubles_suffice && !out.witness->doubles_suffice)) out.witness = witness;
-    if (out.witness->doubles_suffice || tries > 64) break;
+    if (!best || (witness->doubles_suffice && !best->doubles_suffice)) best = witness;
+    if (best->doubles_suffice || tries > 64) break;
   }
+  return best;
+}
+
+}  // namespace
+
+Result<WindingRange> find_winding_range(const Surface& surface, const SurfaceTopology& topology,
+                                        const TriangleBvh& bvh, IntersectionGraph& graph,
+                                        const RunContext& context, const WindingRangeOptions& options) {
+  OVERTET_EXPECTS(degenerate_faces(surface).empty());
+  const Rays rays(surface.V, surface.F, bvh);
+  WindingRange out;
+  if (auto stop = context.stop()) return *stop;
+  Negatives negatives;
+  if (const Status looked = look_at_pairs(rays, graph, context, options, out, negatives); !looked)
+    return looked.error();
+  for (const SurfaceComponent& component : topology.components)
+    look_at_face(rays, component.first_face, out, negatives);
+  out.witness = best_witness(rays, negatives.wedges);
+  out.negative_at = std::move(negatives.at);
   return out;
 }
 

@@ -31,13 +31,92 @@ void add_common(CLI::App& command, CommonOptions& o) {
   command
       .add_option("--memory-limit", o.memory_limit,
                   "MiB that the program and its child processes may use together (exit 6 if they need more; "
-                  "default: 90 "
-                  "% of what is free)")
+                  "default: 90 % of what is free)")
       ->check(CLI::PositiveNumber);
   command.add_flag("--quiet,-q", o.quiet, "Print errors only");
   command.add_option("--log-level", o.log_level, "Which messages to print: error, warning, info or debug")
       ->check(CLI::IsMember({"error", "warning", "info", "debug"}))
       ->capture_default_str();
+}
+
+CLI::App* add_mesh(CLI::App& app, MeshCommand& mesh) {
+  CLI::App* command = app.add_subcommand("mesh", "Make a tet mesh of a surface");
+  command->add_option("INPUT", mesh.input, "Surface: .obj, .off, .ply or .stl")->required();
+  command
+      ->add_option("--output,-o", mesh.output,
+                   "Tet mesh: .mesh, .msh, .vtu, or .node or .ele (both are written)")
+      ->required();
+  command
+      ->add_option(
+          "--format", mesh.format,
+          "medit, msh22, msh41, vtu or tetgen (default: by the extension of the output; .msh: msh41)")
+      ->check(CLI::IsMember({"medit", "msh22", "msh41", "vtu", "tetgen"}));
+  command->add_option("--report", mesh.report, "Write a JSON report to this file, even if no mesh is made");
+  command
+      ->add_option("--on-infeasible", mesh.on_infeasible,
+                   "If no mesh exists: reject the surface, or repair it by moving a few vertices")
+      ->check(CLI::IsMember({"reject", "repair"}))
+      ->capture_default_str();
+  command
+      ->add_option("--preset", mesh.preset,
+                   "default: the immersion route, then the flow route if that finds no mesh; flow (or "
+                   "paper): the flow route only")
+      ->check(CLI::IsMember({"default", "flow", "paper"}))
+      ->capture_default_str();
+  command
+      ->add_option("--improve", mesh.improve_degrees,
+                   "Smallest dihedral angle that the quality pass aims at, in degrees; 0: no quality pass")
+      ->check(CLI::Range(0.0, 40.0))
+      ->capture_default_str();
+  command->add_option("--save-stages", mesh.save_stages, "Save the intermediate states in this folder");
+  command->add_option("--resume", mesh.resume,
+                      "Continue from the states that --save-stages left in this folder");
+  return command;
+}
+
+CLI::App* add_inspect(CLI::App& app, InspectCommand& inspect) {
+  CLI::App* command = app.add_subcommand("inspect", "Describe a surface and say whether it can be meshed");
+  command->add_option("INPUT", inspect.input, "Surface: .obj, .off, .ply or .stl")->required();
+  command->add_flag("--json", inspect.json, "Print JSON");
+  command->add_flag("--pairs", inspect.pairs, "List the intersecting pairs of faces");
+  command->add_flag("--curves", inspect.curves,
+                    "With --json: list every point of the curves, with its two places on the surface");
+  command->add_option("--save-curves", inspect.save_curves,
+                      "Write the curves in which the surface crosses itself to this file: .vtp or .obj");
+  return command;
+}
+
+CLI::App* add_repair(CLI::App& app, RepairCommand& repair) {
+  CLI::App* command = app.add_subcommand(
+      "repair", "Move a few vertices of a surface a little so that a tet mesh exists, and make that mesh");
+  command->add_option("INPUT", repair.input, "Surface: .obj, .off, .ply or .stl")->required();
+  command
+      ->add_option("--output,-o", repair.output,
+                   "Tet mesh: .mesh, .msh, .vtu, .node or .ele; or the repaired surface: .off, .obj or .ply")
+      ->required();
+  command->add_flag("--surface-only", repair.surface_only,
+                    "Write the repaired surface instead of a tet mesh");
+  command->add_option("--report", repair.report,
+                      "Write a JSON report to this file (only if a tet mesh is made)");
+  command
+      ->add_option("--max-move", repair.max_move,
+                   "Largest move of a vertex, in percent of the diagonal of the bounding box")
+      ->check(CLI::Range(1e-6, 100.0))
+      ->capture_default_str();
+  return command;
+}
+
+CLI::App* add_verify(CLI::App& app, VerifyCommand& verify) {
+  CLI::App* command = app.add_subcommand("verify", "Check a tet mesh against its surface, exactly");
+  command->add_option("SURFACE", verify.surface, "Surface: .obj, .off, .ply or .stl")->required();
+  command->add_option("TETMESH", verify.mesh, "Tet mesh: .mesh, .msh, .vtu, .node or .ele")->required();
+  command
+      ->add_option("--max-move", verify.max_move,
+                   "Largest move to allow a vertex of the surface, as a fraction of the diagonal of the "
+                   "bounding box (0.06: 6 %)")
+      ->check(CLI::NonNegativeNumber);
+  command->add_flag("--json", verify.json, "Print JSON");
+  return command;
 }
 
 int parse_and_run(int argc, char** argv) {
@@ -55,91 +134,25 @@ int parse_and_run(int argc, char** argv) {
 
   CommonOptions common;
   MeshCommand mesh;
-  CLI::App* mesh_app = app.add_subcommand("mesh", "Make a tet mesh of a surface");
-  mesh_app->add_option("INPUT", mesh.input, "Surface: .obj, .off, .ply or .stl")->required();
-  mesh_app
-      ->add_option("--output,-o", mesh.output,
-                   "Tet mesh: .mesh, .msh, .vtu, or .node or .ele (both are written)")
-      ->required();
-  mesh_app
-      ->add_option(
-          "--format", mesh.format,
-          "medit, msh22, msh41, vtu or tetgen (default: by the extension of the output; .msh: msh41)")
-      ->check(CLI::IsMember({"medit", "msh22", "msh41", "vtu", "tetgen"}));
-  mesh_app->add_option("--report", mesh.report, "Write a JSON report to this file, even if no mesh is made");
-  mesh_app
-      ->add_option("--on-infeasible", mesh.on_infeasible,
-                   "If no mesh exists: reject the surface, or repair it by moving a few vertices")
-      ->check(CLI::IsMember({"reject", "repair"}))
-      ->capture_default_str();
-  mesh_app
-      ->add_option("--preset", mesh.preset,
-                   "default: the immersion route, then the flow route if that finds no mesh; flow (or "
-                   "paper): the flow route only")
-      ->check(CLI::IsMember({"default", "flow", "paper"}))
-      ->capture_default_str();
-  mesh_app
-      ->add_option("--improve", mesh.improve_degrees,
-                   "Smallest dihedral angle that the quality pass aims at, in degrees; 0: no quality pass")
-      ->check(CLI::Range(0.0, 40.0))
-      ->capture_default_str();
-  mesh_app->add_option("--save-stages", mesh.save_stages, "Save the intermediate states in this folder");
-  mesh_app->add_option("--resume", mesh.resume,
-                       "Continue from the states that --save-stages left in this folder");
-  add_common(*mesh_app, common);
-
   InspectCommand inspect;
-  CLI::App* inspect_app =
-      app.add_subcommand("inspect", "Describe a surface and say whether it can be meshed");
-  inspect_app->add_option("INPUT", inspect.input, "Surface: .obj, .off, .ply or .stl")->required();
-  inspect_app->add_flag("--json", inspect.json, "Print JSON");
-  inspect_app->add_flag("--pairs", inspect.pairs, "List the intersecting pairs of faces");
-  inspect_app->add_flag("--curves", inspect.curves,
-                        "With --json: list every point of the curves, with its two places on the surface");
-  inspect_app->add_option("--save-curves", inspect.save_curves,
-                          "Write the curves in which the surface crosses itself to this file: .vtp or .obj");
-  add_common(*inspect_app, common);
-
   RepairCommand repair;
-  CLI::App* repair_app = app.add_subcommand(
-      "repair", "Move a few vertices of a surface a little so that a tet mesh exists, and make that mesh");
-  repair_app->add_option("INPUT", repair.input, "Surface: .obj, .off, .ply or .stl")->required();
-  repair_app
-      ->add_option("--output,-o", repair.output,
-                   "Tet mesh: .mesh, .msh, .vtu, .node or .ele; or the repaired surface: .off, .obj or .ply")
-      ->required();
-  repair_app->add_flag("--surface-only", repair.surface_only,
-                       "Write the repaired surface instead of a tet mesh");
-  repair_app->add_option("--report", repair.report,
-                         "Write a JSON report to this file (only if a tet mesh is made)");
-  repair_app
-      ->add_option("--max-move", repair.max_move,
-                   "Largest move of a vertex, in percent of the diagonal of the bounding box")
-      ->check(CLI::Range(1e-6, 100.0))
-      ->capture_default_str();
-  add_common(*repair_app, common);
-
   VerifyCommand verify;
-  CLI::App* verify_app = app.add_subcommand("verify", "Check a tet mesh against its surface, exactly");
-  verify_app->add_option("SURFACE", verify.surface, "Surface: .obj, .off, .ply or .stl")->required();
-  verify_app->add_option("TETMESH", verify.mesh, "Tet mesh: .mesh, .msh, .vtu, .node or .ele")->required();
-  verify_app
-      ->add_option("--max-move", verify.max_move,
-                   "Largest move to allow a vertex of the surface, as a fraction of the diagonal of the "
-                   "bounding box (0.06: 6 %)")
-      ->check(CLI::NonNegativeNumber);
-  verify_app->add_flag("--json", verify.json, "Print JSON");
-  add_common(*verify_app, common);
+  CLI::App* mesh_app = add_mesh(app, mesh);
+  CLI::App* inspect_app = add_inspect(app, inspect);
+  CLI::App* repair_app = add_repair(app, repair);
+  CLI::App* verify_app = add_verify(app, verify);
+  for (CLI::App* command : {mesh_app, inspect_app, repair_app, verify_app}) add_common(*command, common);
 
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& e) {
     return app.exit(e);  // --help, --version
   } catch (const CLI::ParseError& e) {
-    Terminal terminal(LogLevel::warning, false);
+    Terminal terminal(LogLevel::warning, Terminal::Talk::all);
     return fail(terminal, {ErrorCode::usage, std::string(e.what()) + " (see overtet --help)."});
   }
-  Terminal terminal(common.quiet ? LogLevel::error : level_named(common.log_level), common.quiet);
+  Terminal terminal(common.quiet ? LogLevel::error : level_named(common.log_level),
+                    common.quiet ? Terminal::Talk::errors_only : Terminal::Talk::all);
   install_signal_handlers();
   if (*mesh_app) return run(mesh, common, terminal);
   if (*inspect_app) return run(inspect, common, terminal);

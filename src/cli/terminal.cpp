@@ -39,10 +39,10 @@ void put(const std::string& text) {
 
 }  // namespace
 
-Terminal::Terminal(LogLevel level, bool quiet) : level_(level), quiet_(quiet) {
+Terminal::Terminal(LogLevel level, Talk talk) : level_(level), quiet_(talk == Talk::errors_only) {
   const char* term = std::getenv("TERM");
   const bool terminal = isatty(STDERR_FILENO) && term && std::string_view(term) != "dumb";
-  bar_ = terminal && !quiet;
+  bar_ = terminal && !quiet_;
   colours_ = terminal && !is_set("NO_COLOR");
 }
 

@@ -12,7 +12,8 @@ namespace overtet {
 
 class Terminal {
  public:
-  Terminal(LogLevel level, bool quiet);
+  enum class Talk { all, errors_only };
+  Terminal(LogLevel level, Talk talk);
   ~Terminal() { clear(); }
 
   void progress(std::string_view stage, double fraction, std::string_view detail);

@@ -26,21 +26,19 @@ using Condition = GluingCondition;
 
 class Checker {
  public:
-  Checker(const Surface& surface, const SurfaceTopology& topology, const TriangleBvh& bvh,
-          IntersectionGraph& graph, const RunContext& context)
+  Checker(const Surface& surface, const TriangleBvh& bvh, IntersectionGraph& graph, const RunContext& context)
       : surface_(surface),
-        topology_(topology),
         rays_(surface.V, surface.F, bvh),
         context_(context),
         pairs_(graph.pairs()),
         cuts_(surface, graph) {}
 
-  Result<GluingAnswer> run() {
+  Result<GluingAnswer> run(const SurfaceTopology& topology) {
     GluingAnswer out;
     try {
       cuts_.run(rays_, context_);
       if (auto stop = context_.stop()) return *stop;
-      find_shells();
+      find_shells(topology);
     } catch (const Degenerate& where) {
       out.message = "Not in general position: " + where.what + ".";
       return out;
@@ -55,7 +53,7 @@ class Checker {
       std::vector<Condition> some;
       for (const Condition& c : conditions_)
         if (std::all_of(c.regions.begin(), c.regions.end(),
-                        [&](Index r) { return r < 0 || sheets_[cells_[r][1]] <= most; }))
+                        [&](Index r) { return r < 0 || shells_.layers[cells_[r][1]] <= most; }))
           some.push_back(c);
       if (some.size() == tried) continue;
       tried = some.size();
@@ -86,7 +84,7 @@ class Checker {
 
  private:
   GluingSearch searching(std::vector<Condition> conditions) const {
-    return GluingSearch(std::move(conditions), cells_, sheets_, context_);
+    return GluingSearch(std::move(conditions), cells_, shells_.layers, context_);
   }
 
   // Two sides of parts with a sector between them.
@@ -97,12 +95,12 @@ class Checker {
   };
 
   // Shells: what the solid covers on one side of the surface, connected around edges and curves.
-  void find_shells() {
+  void find_shells(const SurfaceTopology& topology) {
     const Index parts = static_cast<Index>(cuts_.face_of_part.size());
     const Index n = static_cast<Index>(cuts_.halves.size());
     std::vector<Sector> sectors;
-    for (Index h = 0; h < static_cast<Index>(topology_.twin.size()); ++h) {
-      const Index other = topology_.twin[h];
+    for (Index h = 0; h < static_cast<Index>(topology.twin.size()); ++h) {
+      const Index other = topology.twin[h];
       if (other < h) continue;
       const std::vector<Index> nodes = cuts_.edge_chain(h);
       for (std::size_t i = 1; i < nodes.size(); ++i) {
@@ -136,22 +134,22 @@ class Checker {
     }
     std::vector<Index> number(2 * static_cast<std::size_t>(parts), -1);
     Index shells = 0;
-    shell_.resize(number.size());
+    shells_.of_side.resize(number.size());
     for (Index x = 0; x < 2 * parts; ++x) {
       Index& s = number[side.root(x)];
       if (s < 0) s = shells++;
-      shell_[x] = s;
+      shells_.of_side[x] = s;
     }
     // A sphere has two more corners and parts than pieces between them.
     std::vector<Index> euler(shells, 0);
-    for (Index x = 0; x < 2 * parts; ++x) euler[shell_[x]] += 1 - cuts_.holes[x / 2];
-    for (const Sector& s : sectors) --euler[shell_[side_of(s)]];
+    for (Index x = 0; x < 2 * parts; ++x) euler[shells_.of_side[x]] += 1 - cuts_.holes[x / 2];
+    for (const Sector& s : sectors) --euler[shells_.of_side[side_of(s)]];
     for (Index x = 0; x < 2 * n; ++x)
-      if (corner.root(x) == x) ++euler[shell_[2 * cuts_.halves[x / 2].part + x % 2]];
-    find_sheets(shells);
+      if (corner.root(x) == x) ++euler[shells_.of_side[2 * cuts_.halves[x / 2].part + x % 2]];
+    find_layers(shells);
     find_coverage();
     std::vector<char> cut(shells, 0);
-    for (Index s = 0; s < shells; ++s) cut[s] = sheets_[s] > 1 && euler[s] != 2;
+    for (Index s = 0; s < shells; ++s) cut[s] = shells_.layers[s] > 1 && euler[s] != 2;
     cut_handles(cut, sectors, before, corner);
   }
 
@@ -161,32 +159,32 @@ class Checker {
   // How often each input edge is covered all along.
   void find_coverage() {
     for (const EdgePiece& e : edge_pieces_) {
-      const int here = sheets_[shell_[2 * e.left]];
+      const int here = shells_.layers[shells_.of_side[2 * e.left]];
       const auto [at, added] = covered_.try_emplace(e.half_edge, here);
       if (!added) at->second = std::min(at->second, here);
     }
   }
 
-  // Sheets over a shell with handles may change places on the way round. Such shells are cut open: what is
+  // Layers over a shell with handles may change places on the way round. Such shells are cut open: what is
   // left is a tree of parts (those with holes left out), grown around every corner that but one cut leads to.
   // Across a cut names change, in the same way until the cut branches.
   void cut_handles(const std::vector<char>& cut, const std::vector<Sector>& sectors,
                    const std::vector<Index>& before, UnionFind& corner) {
-    sector_cut_.assign(sectors.size(), 0);
-    left_out_.assign(cuts_.face_of_part.size(), 0);
+    opening_.cut.assign(sectors.size(), 0);
+    opening_.left_out.assign(cuts_.face_of_part.size(), 0);
     std::vector<std::pair<int, Index>> order;  // what had better not be cut comes first
     for (std::size_t i = 0; i < sectors.size(); ++i) {
       const Sector& s = sectors[i];
-      if (!cut[shell_[side_of(s)]]) continue;
-      sector_cut_[i] = 1;
+      if (!cut[shells_.of_side[side_of(s)]]) continue;
+      opening_.cut[i] = 1;
       const bool at_edge = i < 2 * edge_pieces_.size();
       order.emplace_back(at_edge && covered_.at(edge_pieces_[i / 2].half_edge) > 0, static_cast<Index>(i));
       for (const Index p : {side_of(s) / 2, other_side_of(s) / 2})
-        if (cuts_.holes[p] > 0) left_out_[p] = 1;
+        if (cuts_.holes[p] > 0) opening_.left_out[p] = 1;
     }
     std::sort(order.begin(), order.end());
     const auto whole = [&](const Sector& s) {
-      return !left_out_[side_of(s) / 2] && !left_out_[other_side_of(s) / 2];
+      return !opening_.left_out[side_of(s) / 2] && !opening_.left_out[other_side_of(s) / 2];
     };
     UnionFind grown(2 * cuts_.face_of_part.size());
     std::map<Index, std::vector<Index>> at_corner;
@@ -198,7 +196,7 @@ class Checker {
       const Index a = grown.root(side_of(s)), b = grown.root(other_side_of(s));
       if (a != b && whole(s)) {
         grown.join(a, b);
-        sector_cut_[i] = 0;
+        opening_.cut[i] = 0;
       } else {
         for (const Index x : corners(s)) at_corner[x].push_back(i);
       }
@@ -211,36 +209,37 @@ class Checker {
       Index only = -1;
       int count = 0;
       for (const Index i : at_corner[x])
-        if (sector_cut_[i]) only = i, ++count;
+        if (opening_.cut[i]) only = i, ++count;
       if (count != 1 || !whole(sectors[only])) continue;
-      sector_cut_[only] = 0;
+      opening_.cut[only] = 0;
       for (const Index y : corners(sectors[only])) stack.push_back(y);
     }
     // Around a corner with two cuts: what one does the other undoes.
-    names_.assign(sectors.size(), -1);
-    backwards_.assign(sectors.size(), 0);
+    opening_.names.assign(sectors.size(), -1);
+    opening_.backwards.assign(sectors.size(), 0);
     // From a half's left to its right is counter-clockwise at its end, clockwise at its beginning; behind the
     // face the other way round.
     const auto turns_left = [&](Index i, Index x) {
       return (corners(sectors[i])[0] == x) != (sectors[i].ku == 1);
     };
     for (Index first = 0; first < static_cast<Index>(sectors.size()); ++first) {
-      if (!sector_cut_[first] || names_[first] >= 0) continue;
-      const Index name = static_cast<Index>(name_shells_.size());
-      name_shells_.push_back(shell_[side_of(sectors[first])]);
-      names_[first] = name;
+      if (!opening_.cut[first] || opening_.names[first] >= 0) continue;
+      const Index name = static_cast<Index>(opening_.name_shells.size());
+      opening_.name_shells.push_back(shells_.of_side[side_of(sectors[first])]);
+      opening_.names[first] = name;
       std::vector<Index> arc{first};
       for (std::size_t k = 0; k < arc.size(); ++k) {
         const Index here = arc[k];
         for (const Index x : corners(sectors[here])) {
           std::vector<Index> met;  // twice where both ends are at x
           for (const Index i : at_corner[x])
-            if (sector_cut_[i]) met.push_back(i);
+            if (opening_.cut[i]) met.push_back(i);
           if (met.size() != 2 || met[0] == met[1]) continue;
           const Index other = met[0] == here ? met[1] : met[0];
-          if (names_[other] >= 0) continue;
-          names_[other] = name;
-          backwards_[other] = (backwards_[here] != 0) != (turns_left(here, x) == turns_left(other, x));
+          if (opening_.names[other] >= 0) continue;
+          opening_.names[other] = name;
+          opening_.backwards[other] =
+              (opening_.backwards[here] != 0) != (turns_left(here, x) == turns_left(other, x));
           arc.push_back(other);
         }
       }
@@ -249,48 +248,48 @@ class Checker {
 
   // The winding number over each shell: by one ray, at the first face that is whole or piece of curve, for
   // all that hang together.
-  void find_sheets(Index shells) {
+  void find_layers(Index shells) {
     const Index parts = static_cast<Index>(cuts_.face_of_part.size());
     std::vector<std::vector<std::pair<Index, int>>> links(shells);
     for (Index p = 0; p < parts; ++p) {
-      links[shell_[2 * p]].emplace_back(shell_[2 * p + 1], 1);
-      links[shell_[2 * p + 1]].emplace_back(shell_[2 * p], -1);
+      links[shells_.of_side[2 * p]].emplace_back(shells_.of_side[2 * p + 1], 1);
+      links[shells_.of_side[2 * p + 1]].emplace_back(shells_.of_side[2 * p], -1);
     }
     for (auto& list : links) {
       std::sort(list.begin(), list.end());
       list.erase(std::unique(list.begin(), list.end()), list.end());
     }
     std::vector<char> known(shells, 0);
-    sheets_.assign(shells, 0);
+    shells_.layers.assign(shells, 0);
     const auto spread = [&](Index first, int winding) {
       std::vector<Index> stack{first};
-      sheets_[first] = winding;
+      shells_.layers[first] = winding;
       known[first] = 1;
       while (!stack.empty()) {
         const Index s = stack.back();
         stack.pop_back();
         for (const auto& [other, jump] : links[s]) {
-          if (known[other] && sheets_[other] != sheets_[s] + jump)
+          if (known[other] && shells_.layers[other] != shells_.layers[s] + jump)
             throw Degenerate{"winding numbers disagree"};
           if (known[other]) continue;
           known[other] = 1;
-          sheets_[other] = sheets_[s] + jump;
+          shells_.layers[other] = shells_.layers[s] + jump;
           stack.push_back(other);
         }
       }
     };
     for (Index p = 0; p < parts; ++p) {
       const Index f = cuts_.face_of_part[p];
-      if (known[shell_[2 * p]] || cuts_.half_begin[f + 1] - cuts_.half_begin[f] != 3) continue;
-      if (const auto winding = just_in_front(f)) spread(shell_[2 * p], *winding);
+      if (known[shells_.of_side[2 * p]] || cuts_.half_begin[f + 1] - cuts_.half_begin[f] != 3) continue;
+      if (const auto winding = just_in_front(f)) spread(shells_.of_side[2 * p], *winding);
     }
     for (std::size_t i = 0; i < leaves_.size(); ++i) {
-      const Index s = shell_[2 * leaves_[i][0]];
+      const Index s = shells_.of_side[2 * leaves_[i][0]];
       if (known[s]) continue;
       if (const auto winding = in_front_of_both(cuts_.pieces[i])) spread(s, *winding);
     }
     for (Index s = 0; s < shells; ++s)
-      if (!known[s] || sheets_[s] < 0) throw Degenerate{"a winding number is unknown or negative"};
+      if (!known[s] || shells_.layers[s] < 0) throw Degenerate{"a winding number is unknown or negative"};
   }
 
   std::optional<int> just_in_front(Index f) const {
@@ -316,7 +315,7 @@ class Checker {
     UnionFind region(parts);
     // Edges that are not covered all along turn as they show: one gluing on both sides.
     const auto uncut = [&](std::size_t first, int count) {
-      return std::none_of(sector_cut_.begin() + first, sector_cut_.begin() + first + count,
+      return std::none_of(opening_.cut.begin() + first, opening_.cut.begin() + first + count,
                           [](char c) { return c; });
     };
     for (std::size_t i = 0; i < edge_pieces_.size(); ++i) {
@@ -324,18 +323,19 @@ class Checker {
       if (covered_.at(e.half_edge) < 1 && uncut(2 * i, 2)) region.join(e.left, e.right);
     }
     cells_.assign(parts, {-1, -1});
-    for (Index p = 0; p < parts; ++p) cells_[region.root(p)] = {shell_[2 * p], shell_[2 * p + 1]};
+    for (Index p = 0; p < parts; ++p)
+      cells_[region.root(p)] = {shells_.of_side[2 * p], shells_.of_side[2 * p + 1]};
     // Names across cuts are unknown like gluings.
-    for (const Index shell : name_shells_) cells_.push_back({shell, shell});
+    for (const Index shell : opening_.name_shells) cells_.push_back({shell, shell});
     using Key = std::tuple<std::array<Index, 4>, std::array<Index, 4>, std::array<char, 4>, int>;
     std::set<Key> known;
     const auto add = [&](Condition& c, std::size_t sector, int sectors) {
       for (const Index r : c.regions)
-        if (r >= 0 && (left_out_[r] || sheets_[cells_[r][1]] > *std::rbegin(kSheets))) return;
+        if (r >= 0 && (opening_.left_out[r] || shells_.layers[cells_[r][1]] > *std::rbegin(kSheets))) return;
       for (int k = 0; k < sectors; ++k)
-        if (names_[sector + k] >= 0) {
-          c.names[k] = parts + names_[sector + k];
-          c.backwards[k] = backwards_[sector + k];
+        if (opening_.names[sector + k] >= 0) {
+          c.names[k] = parts + opening_.names[sector + k];
+          c.backwards[k] = opening_.backwards[sector + k];
         }
       if (known.insert({c.regions, c.names, c.backwards, c.most}).second) conditions_.push_back(c);
     };
@@ -353,8 +353,8 @@ class Checker {
       const Index a = half_edge_source(surface_.F, e.half_edge),
                   b = half_edge_target(surface_.F, e.half_edge);
       c.edge = {std::min(a, b), std::max(a, b)};
-      // One sheet outside fits whatever happens, where it may turn.
-      const bool idle = c.most > 0 && sheets_[cells_[c.regions[0]][0]] < 2;
+      // One layer outside fits whatever happens, where it may turn.
+      const bool idle = c.most > 0 && shells_.layers[cells_[c.regions[0]][0]] < 2;
       if (!idle && (c.regions[0] != c.regions[1] || !uncut(2 * i, 2))) add(c, 2 * i, 2);
     }
   }
@@ -369,7 +369,7 @@ class Checker {
   }
 
   // A conflict among the conditions closest to one of the hinges, if that is found. least: of kSheets, what
-  // is known to contradict nothing has fewer sheets.
+  // is known to contradict nothing has fewer layers.
   std::optional<std::vector<Condition>> near_hinges(int least, std::int64_t& steps) const {
     std::set<Index> hinges;
     for (const auto& [f, g] : pairs_)
@@ -386,7 +386,7 @@ class Checker {
           for (std::size_t i = 0; i < conditions_.size(); ++i) {
             const auto& regions = conditions_[i].regions;
             if (std::all_of(regions.begin(), regions.end(),
-                            [&](Index r) { return r < 0 || sheets_[cells_[r][1]] <= most; }))
+                            [&](Index r) { return r < 0 || shells_.layers[cells_[r][1]] <= most; }))
               order.emplace_back((surface_.V.row(v) - Eigen::RowVector3d::Map(places[i].data())).norm(), i);
           }
           std::sort(order.begin(), order.end());
@@ -440,7 +440,7 @@ class Checker {
         continue;
       }
       const FaceCuts::Piece& p = cuts_.pieces[c.piece];
-      out.crossings.push_back({{p.f, p.g}, sheets_[cells_[c.regions[0]][0]], place_of(c)});
+      out.crossings.push_back({{p.f, p.g}, shells_.layers[cells_[c.regions[0]][0]], place_of(c)});
     }
     std::sort(out.edges.begin(), out.edges.end());
     out.edges.erase(std::unique(out.edges.begin(), out.edges.end()), out.edges.end());
@@ -456,23 +456,30 @@ class Checker {
     Index left, right;  // parts
   };
 
+  struct Shells {
+    std::vector<Index> of_side;  // per part: in front, behind
+    std::vector<int> layers;     // per shell
+  };
+  // How shells with handles are cut open.
+  struct Opening {
+    std::vector<char> cut;           // per sector: two a piece of an edge, then four a piece of a curve
+    std::vector<Index> names;        // per sector: what changes there, or -1
+    std::vector<char> backwards;     // per sector
+    std::vector<char> left_out;      // per part
+    std::vector<Index> name_shells;  // per change of names
+  };
+
   const Surface& surface_;
-  const SurfaceTopology& topology_;
   const exact::Rays rays_;
   const RunContext& context_;
   const std::vector<FacePair>& pairs_;
   FaceCuts cuts_;
   std::vector<EdgePiece> edge_pieces_;
   std::vector<std::array<Index, 4>> leaves_;  // per piece of a curve
-  std::vector<Index> shell_;                  // per part: in front, behind
   std::map<Index, int> covered_;              // per edge of the input: how often, all along
-  std::vector<char> sector_cut_;              // two a piece of an edge, then four a piece of a curve
-  std::vector<char> left_out_;                // per part
-  std::vector<Index> names_;                  // per sector: what changes there, or -1
-  std::vector<char> backwards_;               // per sector
-  std::vector<Index> name_shells_;            // per change of names
-  std::vector<int> sheets_;                   // per shell
-  std::vector<std::array<Index, 2>> cells_;   // per region, named by one of its parts: shells
+  Shells shells_;
+  Opening opening_;
+  std::vector<std::array<Index, 2>> cells_;  // per region, named by one of its parts: shells
   std::vector<Condition> conditions_;
 };
 
@@ -483,7 +490,7 @@ Result<GluingAnswer> check_gluing(const Surface& surface, const SurfaceTopology&
                                   const RunContext& context) {
   OVERTET_EXPECTS(degenerate_faces(surface).empty());
   const OrdinarySize sized(surface, bvh);
-  Result<GluingAnswer> answer = Checker(sized.surface(), topology, sized.bvh(), graph, context).run();
+  Result<GluingAnswer> answer = Checker(sized.surface(), sized.bvh(), graph, context).run(topology);
   if (answer.ok() && sized.scaled())
     for (GluingCertificate::Crossing& c : answer.value().conflict.crossings)
       c.position = sized.back(c.position);

@@ -113,11 +113,11 @@ SolverAnswer GluingSearch::run(std::int64_t most) {
       for (const Index r : regions_) add(r);
     for (std::int64_t now = kFirstSteps;; now += now / 2) {
       std::fill(used_.begin(), used_.end(), 0);
-      chosen_ = 0;
-      end_ = steps_ + std::min(now, most - steps_);
-      const SolverAnswer answer = GluingSolver(*this, part).run(false);
+      work_.chosen = 0;
+      work_.end = work_.steps + std::min(now, most - work_.steps);
+      const SolverAnswer answer = GluingSolver(*this, part).run(FirstLook::until_stuck);
       if (answer == SolverAnswer::found) break;
-      if (answer == SolverAnswer::none || steps_ >= most || context_.stop()) return answer;
+      if (answer == SolverAnswer::none || work_.steps >= most || context_.stop()) return answer;
     }
   }
   return SolverAnswer::found;
@@ -155,7 +155,7 @@ void GluingSearch::list_ways() {
 
 std::optional<std::vector<Index>> GluingSearch::possible(Index r, Index& blame) {
   std::vector<Index> out;
-  steps_ += static_cast<std::int64_t>(ways_[r].size());
+  work_.steps += static_cast<std::int64_t>(ways_[r].size());
   for (std::size_t o = 0; o < ways_[r].size(); ++o) {
     way_[r] = &ways_[r][o];
     bool fits = true;
@@ -181,6 +181,8 @@ double GluingSearch::rank(Index r, std::size_t options) const {
   return static_cast<double>(options) / weight;
 }
 
-bool GluingSearch::exhausted() { return steps_ > end_ || (++chosen_ % 256 == 0 && context_.stop()); }
+bool GluingSearch::exhausted() {
+  return work_.steps > work_.end || (++work_.chosen % 256 == 0 && context_.stop());
+}
 
 }  // namespace overtet

@@ -16,7 +16,7 @@
 namespace overtet {
 
 // A condition on the gluings of some parts: around a piece of curve, or at an edge. Between the parts lie
-// sectors; where a shell has been cut open in a sector, its sheets have other names on the other side.
+// sectors; where a shell has been cut open in a sector, its layers have other names on the other side.
 struct GluingCondition {
   // Around a curve of f and g: f's part in front of g, g's in front of f, f's behind g, g's behind f. At an
   // edge: two parts, then -1.
@@ -40,8 +40,8 @@ struct GluingCondition {
   }
 };
 
-// The sheets outside of a part go on into those inside: the number inside of each outside; one more is
-// inside. Or the names of sheets across a cut.
+// The layers outside of a part go on into those inside: the number inside of each outside; one more is
+// inside. Or the names of layers across a cut.
 using Way = std::vector<signed char>;
 
 // ways: of the regions and names that the condition speaks of.
@@ -65,7 +65,7 @@ class GluingSearch {
   // most: gluings of single regions looked at before the search gives up.
   SolverAnswer run(std::int64_t most);
 
-  std::int64_t steps() const { return steps_; }
+  std::int64_t steps() const { return work_.steps; }
   // Of `none`: the conditions that the search has needed, with their weights: a search for fewer begins
   // there.
   std::vector<GluingCondition> needed() const;
@@ -104,8 +104,11 @@ class GluingSearch {
   std::vector<const Way*> way_;         // the one chosen
   std::vector<double> weight_;          // of each condition
   std::vector<char> used_;
-  std::int64_t steps_ = 0, end_ = 0;  // looked at; when to give up
-  std::int64_t chosen_ = 0;
+  struct Work {
+    std::int64_t steps = 0, end = 0;  // gluings looked at; when to give up
+    std::int64_t chosen = 0;
+  };
+  Work work_;
 };
 
 }  // namespace overtet

@@ -57,10 +57,12 @@ concept GluingProblem = requires(P& p, Index region, Index option, Index& blame,
 
 enum class SolverAnswer { found, none, too_long };
 
+// Before anything is chosen: at all regions, or only up to the first one without options.
+enum class FirstLook { at_all, until_stuck };
+
 // Backtracking over some regions that are open. What is chosen next: a region without options, or else that
 // of the lowest rank; ranks grow with dead ends (dom/wdeg, Boussemart and others 2004), so that a second
-// attempt begins where the first has failed. look_first: at all regions before anything is chosen, instead of
-// only up to the first one without options. After `found` all are chosen, otherwise none.
+// attempt begins where the first has failed. After `found` all are chosen, otherwise none.
 template <GluingProblem P>
 class GluingSolver {
  public:
@@ -74,10 +76,10 @@ class GluingSolver {
     for (std::size_t i = 0; i < regions.size(); ++i) at_[regions[i]] = i, stale_.insert(i), rank(i);
   }
 
-  SolverAnswer run(bool look_first) {
-    if (look_first) look_at_stale(false);
+  SolverAnswer run(FirstLook first) {
+    if (first == FirstLook::at_all) look_at_stale(FirstLook::at_all);
     for (;;) {
-      look_at_stale(true);
+      look_at_stale(FirstLook::until_stuck);
       if (next_.none()) {
         if (problem_.accepts()) return SolverAnswer::found;
       } else {
@@ -116,7 +118,8 @@ class GluingSolver {
     rank(i);
   }
 
-  void look_at_stale(bool until_stuck) {
+  void look_at_stale(FirstLook how) {
+    const bool until_stuck = how == FirstLook::until_stuck;
     for (auto it = stale_.begin();
          it != stale_.end() && !(until_stuck && next_.stuck() && next_.next() < *it);) {
       look(*it);

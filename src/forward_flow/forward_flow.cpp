@@ -405,78 +405,123 @@ class Flow {
     return false;
   }
 
-  // True: clean. False: the clusters that did not become clean have grown. One function, because the clusters
-  // share each step: none can be taken by itself.
-  Result<bool> attempt_regional(Regions& regions, const SymmetricMatrix& L, double root) {
-    const std::size_t count = regions.clusters.size();
+  // What a cluster does in a regional attempt.
+  enum class State { running, clean, stalled };
+
+  std::vector<Index> clusters_of(const Regions& regions, const IndexPair& p) const {
+    std::vector<Index> list;
+    for (Index f : {p.a, p.b})
+      for (int k = 0; k < 3; ++k)
+        if (const Index c = regions.owner[s_.F(f, k)]; c >= 0 && std::ranges::find(list, c) == list.end())
+          list.push_back(c);
+    return list;
+  }
+
+  std::vector<Index> count_by_cluster(const Regions& regions, const Pairs& pairs) const {
+    std::vector<Index> n(regions.clusters.size(), 0);
+    for (const IndexPair& p : pairs)
+      for (Index c : clusters_of(regions, p)) ++n[c];
+    return n;
+  }
+
+  // Time steps, by vertex.
+  Eigen::VectorXd time_steps(const Regions& regions, double root) const {
     Eigen::VectorXd delta = Eigen::VectorXd::Ones(vertices_);
-    double largest_delta = 0;
     for (Index v : regions.active) {
       const double r = regions.clusters[regions.owner[v]].radius / root;
       delta[v] = std::min(options_.regional_delta, options_.regional_delta_radius * r * r);
-      largest_delta = std::max(largest_delta, delta[v]);
     }
+    return delta;
+  }
+
+  // One step of the clusters that run; of all of them where all are clean. before: every cluster as it was
+  // before its last step. False: the system cannot be solved.
+  static bool step_clusters(FlowSystem& system, const Regions& regions, const std::vector<State>& state,
+                            bool all_clean, VertexMatrix& X, VertexMatrix& before) {
+    VertexMatrix next = X;
+    for (Index v : regions.active)
+      if (state[regions.owner[v]] == State::running) before.row(v) = X.row(v);
+    if (!system.step(next)) return false;
+    // The systems of different clusters do not see each other: who does not run, stays.
+    if (!all_clean)
+      for (Index v : regions.active)
+        if (state[regions.owner[v]] != State::running) next.row(v) = X.row(v);
+    X = std::move(next);
+    return true;
+  }
+
+  // What is left, exactly, decides who grows; frozen faces that were hit become seeds.
+  void grow_clusters(Regions& regions, const Pairs& left) const {
+    const std::size_t count = regions.clusters.size();
+    std::vector<char> grows(count, left.empty() ? 1 : 0);
+    for (const IndexPair& p : left) {
+      const std::vector<Index> touched = clusters_of(regions, p);
+      for (Index c : touched) {
+        grows[c] = 1;
+        for (Index f : {p.a, p.b})
+          for (int k = 0; k < 3; ++k) regions.clusters[c].seeds.push_back(s_.F(f, k));
+      }
+    }
+    for (std::size_t c = 0; c < count; ++c) {
+      if (!grows[c]) continue;
+      Cluster& cluster = regions.clusters[c];
+      cluster.radius *= options_.radius_growth;
+      std::sort(cluster.seeds.begin(), cluster.seeds.end());
+      cluster.seeds.erase(std::unique(cluster.seeds.begin(), cluster.seeds.end()), cluster.seeds.end());
+    }
+  }
+
+  void keep_fewest(Index pairs) {
+    if (fewest_ < 0 || pairs < fewest_) fewest_ = pairs;
+  }
+
+  void record(const ForwardFlowStep& step, const std::string& detail) {
+    result_.steps.push_back(step);
+    if (step.all_pairs) keep_fewest(step.pairs);
+    context_.report(kStage, 1 - static_cast<double>(step.pairs) / static_cast<double>(pairs_.size()),
+                    std::to_string(step.pairs) + detail);
+  }
+
+  // True: clean. False: the clusters that did not become clean have grown.
+  Result<bool> attempt_regional(Regions& regions, const SymmetricMatrix& L, double root) {
+    const std::size_t count = regions.clusters.size();
+    const Eigen::VectorXd delta = time_steps(regions, root);
+    double largest_delta = 0;
+    for (Index v : regions.active) largest_delta = std::max(largest_delta, delta[v]);
     FlowSystem system(s_, L, regions.active, delta, area_);
     if (!system.analyze())
       return Error{ErrorCode::limit, "There is not enough memory for a factorisation of the forward flow."};
     std::vector<char> free(vertices_, 0);
     for (Index v : regions.active) free[v] = 1;
     ContactMesh mesh(s_.V, s_.F, free);
-
-    enum class State { running, clean, stalled };
     std::vector<State> state(count, State::running);
     std::vector<Stagnation> stagnation(count, Stagnation(options_.stall_tests, options_.stall_drop));
-    const auto clusters_of = [&](const IndexPair& p) {
-      std::vector<Index> list;
-      for (Index f : {p.a, p.b})
-        for (int k = 0; k < 3; ++k)
-          if (const Index c = regions.owner[s_.F(f, k)]; c >= 0 && std::ranges::find(list, c) == list.end())
-            list.push_back(c);
-      return list;
-    };
-    const auto count_by_cluster = [&](const Pairs& pairs) {
-      std::vector<Index> n(count, 0);
-      for (const IndexPair& p : pairs)
-        for (Index c : clusters_of(p)) ++n[c];
-      return n;
-    };
 
     result_.states.clear();
-    VertexMatrix X = s_.V;
-    VertexMatrix before = X;  // every cluster as it was before its last step
+    VertexMatrix X = s_.V, before = X;
     Pairs hits = pairs_;
     int extra = options_.extra_steps, since_full = 0;
     bool clean = false;
     for (int step = 1; step <= options_.regional_steps + options_.extra_steps; ++step) {
       if (const auto stop = context_.stop()) return *stop;
-      VertexMatrix next = X;
-      for (Index v : regions.active)
-        if (state[regions.owner[v]] == State::running) before.row(v) = X.row(v);
-      if (!system.step(next)) break;
-      // The systems of different clusters do not see each other: who does not run, stays.
-      if (!clean)
-        for (Index v : regions.active)
-          if (state[regions.owner[v]] != State::running) next.row(v) = X.row(v);
-      X = std::move(next);
+      if (!step_clusters(system, regions, state, clean, X, before)) break;
       keep_state(X, regions.active);
 
       // Most steps leave some old pair in every running cluster; then nothing else has to be tested.
       Pairs known = still_meeting(X, hits);
-      std::vector<Index> n = count_by_cluster(known);
+      std::vector<Index> n = count_by_cluster(regions, known);
       bool full = ++since_full >= kFullTestEvery;
       for (std::size_t c = 0; c < count; ++c) full = full || (state[c] == State::running && n[c] == 0);
       if (full) {
         known = mesh.intersections(X);
-        n = count_by_cluster(known);
+        n = count_by_cluster(regions, known);
         since_full = 0;
       }
       hits = std::move(known);
       const Index pairs = static_cast<Index>(hits.size());
-      result_.steps.push_back({result_.attempts, step, FlowWeights::clamped, largest_delta,
-                               static_cast<Index>(regions.active.size()), pairs, full});
-      if (full && (fewest_ < 0 || pairs < fewest_)) fewest_ = pairs;
-      context_.report(kStage, 1 - static_cast<double>(pairs) / static_cast<double>(pairs_.size()),
-                      std::to_string(pairs) + " pairs");
+      record({result_.attempts, step, FlowWeights::clamped, largest_delta,
+              static_cast<Index>(regions.active.size()), pairs, full},
+             " pairs");
       clean = full && pairs == 0;
       if (clean && extra-- <= 0) {
         back_up(mesh, regions, before, X);
@@ -495,27 +540,9 @@ class Flow {
       }
       if (!any_running) break;
     }
-
-    // What is left, exactly, decides who grows; frozen faces that were hit become seeds.
     const Pairs left = mesh.intersections(X);
-    const Index pairs = static_cast<Index>(left.size());
-    if (fewest_ < 0 || pairs < fewest_) fewest_ = pairs;
-    std::vector<char> grows(count, left.empty() ? 1 : 0);
-    for (const IndexPair& p : left) {
-      const std::vector<Index> touched = clusters_of(p);
-      for (Index c : touched) {
-        grows[c] = 1;
-        for (Index f : {p.a, p.b})
-          for (int k = 0; k < 3; ++k) regions.clusters[c].seeds.push_back(s_.F(f, k));
-      }
-    }
-    for (std::size_t c = 0; c < count; ++c) {
-      if (!grows[c]) continue;
-      Cluster& cluster = regions.clusters[c];
-      cluster.radius *= options_.radius_growth;
-      std::sort(cluster.seeds.begin(), cluster.seeds.end());
-      cluster.seeds.erase(std::unique(cluster.seeds.begin(), cluster.seeds.end()), cluster.seeds.end());
-    }
+    keep_fewest(static_cast<Index>(left.size()));
+    grow_clusters(regions, left);
     return false;
   }
 
@@ -551,10 +578,8 @@ class Flow {
       }
       hits = std::move(known);
       const Index pairs = static_cast<Index>(hits.size());
-      result_.steps.push_back({result_.attempts, step, way.weights, way.delta, vertices_, pairs, full});
-      if (full && (fewest_ < 0 || pairs < fewest_)) fewest_ = pairs;
-      context_.report(kStage, 1 - static_cast<double>(pairs) / static_cast<double>(pairs_.size()),
-                      std::to_string(pairs) + " pairs, " + to_string(way.weights));
+      record({result_.attempts, step, way.weights, way.delta, vertices_, pairs, full},
+             std::string(" pairs, ") + to_string(way.weights));
       if (full && pairs == 0) {
         if (extra-- > 0) continue;
         finish(X, ForwardFlowResult::Termination::global, way.weights, all);

@@ -54,6 +54,7 @@ struct GlobalFlow {
 // Clamped, uniform, intrinsic Delaunay weights, then uniform with large and clamped with small steps.
 std::vector<GlobalFlow> default_global_flows();
 
+// More than 12 members: flat options, which callers set by name.
 struct ForwardFlowOptions {
   bool regional = true;  // false: the paper's flow of everything
 

@@ -13,33 +13,43 @@ SheetSearch::SheetSearch(const std::vector<Region>& regions, const std::vector<I
                          const SheetPuzzle& puzzle, const RunContext& context, std::int64_t most_nodes)
     : regions_(regions), winding_(winding), puzzle_(puzzle), context_(context), most_nodes_(most_nodes) {}
 
-bool SheetSearch::solve() {
+bool SheetSearch::solve() { return list_gluings() && gather_conditions() && search_parts(); }
+
+// Of every region that has not too many; chooses where there is one only. False: a region has none.
+bool SheetSearch::list_gluings() {
   const Index n = static_cast<Index>(regions_.size());
   std::vector<Index> all(regions_.size());
   std::iota(all.begin(), all.end(), 0);
-  named_ = name_layers(all, puzzle_.cells, winding_);
+  const std::vector<Named> named = name_layers(all, puzzle_.cells, winding_);
   options_.resize(n);
-  listed_.assign(n, 1);
-  known_.assign(n, {});
   for (Index r = 0; r < n; ++r) {
-    const double count = count_gluings(regions_[r], named_[r]);
+    Options& options = options_[r];
+    options.named = named[r];
+    const double count = count_gluings(regions_[r], named[r]);
     if (count > kMostListed) {
-      listed_[r] = 0;
+      options.listed = false;
       continue;
     }
     if (count > 0) {
-      enumerate_gluings(regions_[r], named_[r], options_[r]);
+      enumerate_gluings(regions_[r], named[r], options.gluings);
       continue;
     }
-    cut_short_ = true;
-    impossible_region_ = r;
+    failure_.cut_short = true;
+    failure_.impossible_region = r;
     return false;
   }
   chosen_.assign(n, nullptr);
   for (Index r = 0; r < n; ++r)
-    if (listed_[r] && options_[r].size() == 1) chosen_[r] = &options_[r][0];
+    if (options_[r].listed && options_[r].gluings.size() == 1) chosen_[r] = &options_[r].gluings[0];
+  return true;
+}
 
-  fans_of_.assign(n, {});
+// False: what is chosen from the start does not fit.
+bool SheetSearch::gather_conditions() {
+  const auto add = [](std::vector<Index>& list, Index i) {
+    if (list.empty() || list.back() != i) list.push_back(i);
+  };
+  around_.assign(regions_.size(), {});
   for (Index c = 0; c < static_cast<Index>(puzzle_.fans.size()); ++c) {
     std::vector<Index> members;
     for (const auto& leaf : puzzle_.fans[c].leaves) members.push_back(leaf.region);
@@ -49,51 +59,49 @@ bool SheetSearch::solve() {
     for (const Index r : members) open |= !chosen_[r];
     if (!open) {
       if (!satisfied(puzzle_.fans[c], chosen_, regions_)) {
-        deepest_fan_ = c;
+        failure_.deepest_fan = c;
         return false;
       }
       continue;
     }
     for (const Index r : members)
-      if (!chosen_[r]) fans_of_[r].push_back(c);
+      if (!chosen_[r]) around_[r].fans.push_back(c);
     open_members_.emplace(c, std::move(members));
   }
-  free_fans_of_.assign(n, {});
   for (Index i = 0; i < static_cast<Index>(puzzle_.free_fans.size()); ++i)
-    for (const auto& leaf : puzzle_.free_fans[i].fan.leaves) {
-      auto& list = free_fans_of_[leaf.region];
-      if (list.empty() || list.back() != i) list.push_back(i);
-    }
-  links_of_.assign(n, {});
+    for (const auto& leaf : puzzle_.free_fans[i].fan.leaves) add(around_[leaf.region].free_fans, i);
   for (Index i = 0; i < static_cast<Index>(puzzle_.links.size()); ++i) {
     const VertexLink& link = puzzle_.links[i];
     if (is_complete(link)) {
       if (!makes_discs(link, chosen_, regions_)) return false;
       continue;
     }
-    for (const VertexLink::Arc& arc : link.arcs) {
-      auto& list = links_of_[arc.region];
-      if (list.empty() || list.back() != i) list.push_back(i);
-    }
+    for (const VertexLink::Arc& arc : link.arcs) add(around_[arc.region].links, i);
   }
-  // Independent parts one after the other.
+  return true;
+}
+
+// Independent parts one after the other.
+bool SheetSearch::search_parts() {
+  const Index n = static_cast<Index>(regions_.size());
   std::vector<char> seen(n, 0);
   for (Index seed = 0; seed < n; ++seed) {
     if (chosen_[seed] || seen[seed]) continue;
     std::vector<Index> part{seed};
     seen[seed] = 1;
+    const auto add = [&](Index r) {
+      if (!chosen_[r] && !seen[r]) seen[r] = 1, part.push_back(r);
+    };
     for (std::size_t i = 0; i < part.size(); ++i) {
-      const auto add = [&](Index r) {
-        if (!chosen_[r] && !seen[r]) seen[r] = 1, part.push_back(r);
-      };
-      for (const Index c : fans_of_[part[i]])
+      const Around& around = around_[part[i]];
+      for (const Index c : around.fans)
         for (const Index r : open_members_.at(c)) add(r);
-      for (const Index c : free_fans_of_[part[i]])
+      for (const Index c : around.free_fans)
         for (const auto& leaf : puzzle_.free_fans[c].fan.leaves) add(leaf.region);
-      for (const Index c : links_of_[part[i]])
+      for (const Index c : around.links)
         for (const auto& arc : puzzle_.links[c].arcs) add(arc.region);
     }
-    deepest_fan_ = fans_of_[seed].empty() ? -1 : fans_of_[seed][0];
+    failure_.deepest_fan = around_[seed].fans.empty() ? -1 : around_[seed].fans[0];
     if (!search(part)) return false;
   }
   return true;
@@ -103,8 +111,8 @@ bool SheetSearch::solve() {
 // around it is known.
 std::optional<std::vector<Index>> SheetSearch::possible(Index r, Index& blame) {
   std::vector<Index> candidates;
-  if (listed_[r]) {
-    candidates.resize(options_[r].size());
+  if (options_[r].listed) {
+    candidates.resize(options_[r].gluings.size());
     std::iota(candidates.begin(), candidates.end(), 0);
   } else if (auto made = make_options(r)) {
     candidates = std::move(*made);
@@ -114,18 +122,18 @@ std::optional<std::vector<Index>> SheetSearch::possible(Index r, Index& blame) {
   std::vector<Index> out;
   std::vector<std::pair<double, Index>> costs;
   for (const Index o : candidates) {
-    chosen_[r] = &options_[r][o];
+    chosen_[r] = &options_[r].gluings[o];
     bool fits = true;
-    for (const Index c : fans_of_[r]) {
+    for (const Index c : around_[r].fans) {
       if (is_complete(puzzle_.fans[c]) && !satisfied(puzzle_.fans[c], chosen_, regions_)) {
         fits = false;
-        deepest_fan_ = blame = c;
+        failure_.deepest_fan = blame = c;
         break;
       }
     }
     // Free edges: some number of turns must fit; options that need the fewest unproposed ones come first.
     double cost = 0;
-    for (const Index c : free_fans_of_[r]) {
+    for (const Index c : around_[r].free_fans) {
       if (!fits) break;
       const FreeFan& f = puzzle_.free_fans[c];
       if (!is_complete(f.fan)) continue;
@@ -136,7 +144,7 @@ std::optional<std::vector<Index>> SheetSearch::possible(Index r, Index& blame) {
     }
     if (fits && fits_links(r, blame)) costs.emplace_back(cost, o);
   }
-  looks_ += static_cast<std::int64_t>(candidates.size());
+  work_.looks += static_cast<std::int64_t>(candidates.size());
   chosen_[r] = nullptr;
   std::sort(costs.begin(), costs.end());
   for (const auto& [cost, o] : costs) out.push_back(o);
@@ -156,7 +164,7 @@ bool SheetSearch::is_complete(const VertexLink& link) const {
 
 // As far as all others at them are chosen.
 bool SheetSearch::fits_links(Index r, Index& blame) const {
-  for (const Index i : links_of_[r]) {
+  for (const Index i : around_[r].links) {
     if (!is_complete(puzzle_.links[i]) || makes_discs(puzzle_.links[i], chosen_, regions_)) continue;
     blame = static_cast<Index>(puzzle_.fans.size() + puzzle_.free_fans.size()) + i;
     return false;
@@ -170,37 +178,33 @@ std::optional<std::vector<Index>> SheetSearch::make_options(Index r) {
     return std::count_if(fan.leaves.begin(), fan.leaves.end(),
                          [&](const Fan::Leaf& l) { return l.region == r; }) == 1;
   };
-  for (const Index c : fans_of_[r]) {
+  for (const Index c : around_[r].fans) {
     const Fan& fan = puzzle_.fans[c];
     int turns = 0;
     for (const Fan::Pass& pass : fan.passes) turns += pass.turns;
     if (turns > 2 * kMostTurnsMade || !once(fan) || !is_complete(fan, r)) continue;  // passes come twice
     if (auto made = options_around(fan, r, turns)) return made;
   }
-  for (const Index c : free_fans_of_[r]) {
+  for (const Index c : around_[r].free_fans) {
     const Fan& fan = puzzle_.free_fans[c].fan;
     if (!once(fan) || !is_complete(fan, r)) continue;
-    const bool all = count_gluings(regions_[r], named_[r]) <= kMostTurned;
-    if (!all) cut_short_ = true;
+    const bool all = count_gluings(regions_[r], options_[r].named) <= kMostTurned;
+    if (!all) failure_.cut_short = true;
     const int most = std::min(regions_[r].front_winding, regions_[r].back_winding);
     if (auto made = options_around(fan, r, all ? most : kMostTurnsMade)) return made;
   }
   return std::nullopt;
 }
 
-// Copies that come back to the region on the other side, having gone around the edge, must close there; the
-// few that begin or end on the way are joined in all ways. One more turn: a copy on such a path and one
-// that closes exchange what they lead to.
-std::optional<std::vector<Index>> SheetSearch::options_around(const Fan& fan, Index r, int turns) {
+// Follows the copies behind a region around the edge, to the region's other side or to where they end.
+std::optional<SheetSearch::Ends> SheetSearch::ends_around(const Fan& fan, Index r) const {
   const Region& region = regions_[r];
-  const int front = region.front_winding, back = region.back_winding;
   int at = 0;
   while (fan.leaves[at].region != r) ++at;
   const bool flipped = fan.leaves[at].flipped;
-  // Targets: back copies, then -1 - slot. Sources: front copies, then slots that begin on the back.
-  std::vector<int> target(front, -100);
-  std::vector<int> loose;  // targets that no front copy has yet
-  for (int b = 0; b < back; ++b) {
+  Ends out;
+  out.target.assign(region.front_winding, kNowhere);
+  for (int b = 0; b < region.back_winding; ++b) {
     int leaf = at, side = flipped ? 0 : 1, copy = b;
     for (;;) {
       const int arrival = fan.arc[leaf][side];
@@ -215,70 +219,94 @@ std::optional<std::vector<Index>> SheetSearch::options_around(const Fan& fan, In
     }
     if (copy >= 0 && (side == 0) == flipped) return std::nullopt;
     if (copy >= 0)
-      target[copy] = b;
+      out.target[copy] = b;
     else
-      loose.push_back(b);
+      out.loose.push_back(b);
   }
-  std::vector<int> open;  // sources without a target
-  for (int f = 0; f < front; ++f)
-    if (target[f] == -100) open.push_back(f);
-  const std::size_t copies = open.size();
+  for (int f = 0; f < region.front_winding; ++f)
+    if (out.target[f] == kNowhere) out.open.push_back(f);
+  out.copies = out.open.size();
   for (int s = 0; s < static_cast<int>(region.signs.size()); ++s)
-    (region.signs[s] > 0 ? open : loose).push_back(region.signs[s] > 0 ? front + s : -1 - s);
-  if (open.size() != loose.size() || open.size() > kMostOpen) return std::nullopt;
+    (region.signs[s] > 0 ? out.open : out.loose)
+        .push_back(region.signs[s] > 0 ? region.front_winding + s : -1 - s);
+  out.target.resize(region.front_winding + region.signs.size(), kNowhere);
+  std::sort(out.loose.begin(), out.loose.end());
+  return out;
+}
 
-  struct Made {
-    std::vector<int> target;  // of the front copies, then of the slots
-    std::vector<int> path;    // sources on paths that begin or end
-  };
+// What is open with what is loose, in all ways.
+std::vector<SheetSearch::Made> SheetSearch::join_ends(Ends ends) {
   std::vector<Made> made;
-  target.resize(front + region.signs.size(), -100);
-  std::sort(loose.begin(), loose.end());
   do {
     bool fits = true;  // a slot cannot begin where another one ends
-    for (std::size_t i = copies; i < open.size(); ++i) fits = fits && loose[i] >= 0;
+    for (std::size_t i = ends.copies; i < ends.open.size(); ++i) fits = fits && ends.loose[i] >= 0;
     if (!fits) continue;
-    made.push_back({target, open});
-    for (std::size_t i = 0; i < open.size(); ++i) made.back().target[open[i]] = loose[i];
-  } while (std::next_permutation(loose.begin(), loose.end()));
-  for (std::size_t begin = 0; turns > 0; --turns) {
-    const std::size_t end = made.size();
-    for (std::size_t i = begin; i < end; ++i)
-      for (const int x : std::vector<int>(made[i].path))
-        for (int f = 0; f < front; ++f) {
-          const Made& now = made[i];
-          if (std::find(now.path.begin(), now.path.end(), f) != now.path.end()) continue;
-          Made more = now;
-          std::swap(more.target[x], more.target[f]);
-          more.path.push_back(f);
-          if (x >= front && more.target[x] < 0) continue;
-          made.push_back(std::move(more));
-          if (static_cast<double>(made.size()) <= kMostOptions) continue;
-          cut_short_ = true;
-          return std::nullopt;
-        }
-    begin = end;
-  }
-  looks_ += kLooksToMake * static_cast<std::int64_t>(made.size());
+    made.push_back({ends.target, ends.open});
+    for (std::size_t i = 0; i < ends.open.size(); ++i) made.back().target[ends.open[i]] = ends.loose[i];
+  } while (std::next_permutation(ends.loose.begin(), ends.loose.end()));
+  return made;
+}
+
+// Appends what one more turn makes of those from `begin` on: a copy on a path that begins or ends and one
+// that closes exchange what they lead to. False: too many. front: the number of front copies.
+bool SheetSearch::add_turn(std::vector<Made>& made, std::size_t begin, int front) {
+  const std::size_t end = made.size();
+  for (std::size_t i = begin; i < end; ++i)
+    for (const int x : std::vector<int>(made[i].path))
+      for (int f = 0; f < front; ++f) {
+        const Made& now = made[i];
+        if (std::find(now.path.begin(), now.path.end(), f) != now.path.end()) continue;
+        Made more = now;
+        std::swap(more.target[x], more.target[f]);
+        more.path.push_back(f);
+        if (x >= front && more.target[x] < 0) continue;
+        made.push_back(std::move(more));
+        if (static_cast<double>(made.size()) > kMostOptions) return false;
+      }
+  return true;
+}
+
+// Their numbers among the options of r, new ones added.
+std::vector<Index> SheetSearch::take_in(const std::vector<Made>& made, Index r) {
+  const int front = regions_[r].front_winding, back = regions_[r].back_winding;
+  Options& options = options_[r];
   std::vector<Index> out;
   for (const Made& m : made) {
-    Gluing option{std::vector<int>(front, -100), std::vector<int>(back, -100)};
+    Gluing option{std::vector<int>(front, kNowhere), std::vector<int>(back, kNowhere)};
     for (int x = 0; x < static_cast<int>(m.target.size()); ++x) {
       const int to = m.target[x];
-      if (to == -100) continue;
+      if (to == kNowhere) continue;
       if (x < front) option.back_of[x] = to;
       if (to >= 0) option.front_of[to] = x < front ? x : -1 - (x - front);
     }
     std::vector<int> key = option.back_of;
     key.insert(key.end(), option.front_of.begin(), option.front_of.end());
     const auto [place, is_new] =
-        known_[r].try_emplace(std::move(key), static_cast<Index>(options_[r].size()));
-    if (is_new) options_[r].push_back(std::move(option));
+        options.known.try_emplace(std::move(key), static_cast<Index>(options.gluings.size()));
+    if (is_new) options.gluings.push_back(std::move(option));
     out.push_back(place->second);
   }
   std::sort(out.begin(), out.end());
   out.erase(std::unique(out.begin(), out.end()), out.end());
   return out;
+}
+
+// Copies that come back to the region on the other side, having gone around the edge, must close there; the
+// few that begin or end on the way are joined in all ways.
+std::optional<std::vector<Index>> SheetSearch::options_around(const Fan& fan, Index r, int turns) {
+  std::optional<Ends> ends = ends_around(fan, r);
+  if (!ends || ends->open.size() != ends->loose.size() || ends->open.size() > kMostOpen) return std::nullopt;
+  std::vector<Made> made = join_ends(std::move(*ends));
+  for (std::size_t begin = 0; turns > 0; --turns) {
+    const std::size_t end = made.size();
+    if (!add_turn(made, begin, regions_[r].front_winding)) {
+      failure_.cut_short = true;
+      return std::nullopt;
+    }
+    begin = end;
+  }
+  work_.looks += kLooksToMake * static_cast<std::int64_t>(made.size());
+  return take_in(made, r);
 }
 
 // Extra turns at a free edge under the present choice; -1: none fits.
@@ -292,35 +320,35 @@ int SheetSearch::turns_at(const FreeFan& f) const {
 
 // Lists all options of a region; false when there are too many.
 bool SheetSearch::list_options(Index r) {
-  if (count_gluings(regions_[r], named_[r]) > kMostOptions) {
-    cut_short_ = true;
+  if (count_gluings(regions_[r], options_[r].named) > kMostOptions) {
+    failure_.cut_short = true;
     return false;
   }
-  options_[r].clear();
-  known_[r].clear();
-  enumerate_gluings(regions_[r], named_[r], options_[r]);
-  listed_[r] = 1;
+  options_[r].gluings.clear();
+  options_[r].known.clear();
+  enumerate_gluings(regions_[r], options_[r].named, options_[r].gluings);
+  options_[r].listed = true;
   return true;
 }
 
 // A first attempt goes on where it has been. Those that follow begin where the ones before have failed
 // most.
 bool SheetSearch::search(const std::vector<Index>& part) {
-  const bool all_listed = std::all_of(part.begin(), part.end(), [&](Index r) { return listed_[r] != 0; });
+  const bool all_listed = std::all_of(part.begin(), part.end(), [&](Index r) { return options_[r].listed; });
   const std::int64_t n = static_cast<std::int64_t>(part.size());
   const std::int64_t first =
       all_listed ? kFirstNodes + kFirstNodesEach * n : kFirstNodes + kMostNodesMade * n;
-  const std::int64_t last = nodes_ + (all_listed ? most_nodes_ : kAttemptsMade * first);
-  weight_.assign(puzzle_.fans.size() + puzzle_.free_fans.size(), 1);
-  weight_.resize(weight_.size() + puzzle_.links.size(), 0);
-  by_weight_ = false;
-  for (std::int64_t most = first;; most += most / 2, by_weight_ = true) {
-    end_ = nodes_ + std::min(most, last - nodes_);
-    const SolverAnswer found = GluingSolver(*this, part).run(true);
+  const std::int64_t last = work_.nodes + (all_listed ? most_nodes_ : kAttemptsMade * first);
+  weights_.of.assign(puzzle_.fans.size() + puzzle_.free_fans.size(), 1);
+  weights_.of.resize(weights_.of.size() + puzzle_.links.size(), 0);
+  weights_.count = false;
+  for (std::int64_t most = first;; most += most / 2, weights_.count = true) {
+    work_.end = work_.nodes + std::min(most, last - work_.nodes);
+    const SolverAnswer found = GluingSolver(*this, part).run(FirstLook::at_all);
     if (found == SolverAnswer::found) return true;
     if (found == SolverAnswer::none) return false;
-    if (nodes_ < last && !worn_out() && !context_.stop()) continue;
-    cut_short_ = true;
+    if (work_.nodes < last && !worn_out() && !context_.stop()) continue;
+    failure_.cut_short = true;
     return false;
   }
 }
@@ -328,22 +356,23 @@ bool SheetSearch::search(const std::vector<Index>& part) {
 // Options left; a region's share of dead ends makes them fewer.
 double SheetSearch::rank(Index r, std::size_t options) const {
   const double n = static_cast<double>(options);
-  if (!by_weight_ || n < 2) return n;
+  if (!weights_.count || n < 2) return n;
   double weight = 0;
-  for (const Index c : fans_of_[r]) weight += weight_[c];
-  for (const Index c : free_fans_of_[r]) weight += weight_[puzzle_.fans.size() + c];
-  for (const Index c : links_of_[r]) weight += weight_[puzzle_.fans.size() + puzzle_.free_fans.size() + c];
+  for (const Index c : around_[r].fans) weight += weights_.of[c];
+  for (const Index c : around_[r].free_fans) weight += weights_.of[puzzle_.fans.size() + c];
+  for (const Index c : around_[r].links)
+    weight += weights_.of[puzzle_.fans.size() + puzzle_.free_fans.size() + c];
   return 1 + n / (1 + weight);
 }
 
 bool SheetSearch::exhausted() {
-  return ++nodes_ > end_ || worn_out() || (nodes_ % 256 == 0 && context_.stop());
+  return ++work_.nodes > work_.end || worn_out() || (work_.nodes % 256 == 0 && context_.stop());
 }
 
 std::set<std::pair<Index, Index>> SheetSearch::settle_free_fans() {
   const auto cost = [&](Index r) {
     double sum = 0;
-    for (const Index i : free_fans_of_[r]) {
+    for (const Index i : around_[r].free_fans) {
       const int turns = turns_at(puzzle_.free_fans[i]);
       if (turns < 0) return std::numeric_limits<double>::infinity();
       sum += turns * (puzzle_.free_fans[i].pierced ? kPiercedWeight : 1.0);
@@ -353,13 +382,13 @@ std::set<std::pair<Index, Index>> SheetSearch::settle_free_fans() {
   for (bool better = true; better;) {
     better = false;
     for (Index r = 0; r < static_cast<Index>(regions_.size()); ++r) {
-      if (options_[r].size() < 2 || free_fans_of_[r].empty()) continue;
+      if (options_[r].gluings.size() < 2 || around_[r].free_fans.empty()) continue;
       const Gluing* now = chosen_[r];
       double best = cost(r);
       const Gluing* choice = now;
-      for (const Gluing& option : options_[r]) {
+      for (const Gluing& option : options_[r].gluings) {
         chosen_[r] = &option;
-        const bool fits = std::all_of(fans_of_[r].begin(), fans_of_[r].end(),
+        const bool fits = std::all_of(around_[r].fans.begin(), around_[r].fans.end(),
                                       [&](Index c) { return satisfied(puzzle_.fans[c], chosen_, regions_); });
         Index blame = -1;
         if (!fits || !fits_links(r, blame)) continue;

@@ -55,16 +55,17 @@ class SheetSearch {
   // After solve() has found some.
   const Gluing& gluing(Index region) const { return *chosen_[region]; }
 
-  bool cut_short() const { return cut_short_; }                   // the search has not seen everything
-  Index impossible_region() const { return impossible_region_; }  // that has no gluing at all; -1: none
-  Index deepest_fan() const { return deepest_fan_; }  // the fan that was in the way last; -1: none
-  std::int64_t nodes() const { return nodes_; }
+  bool cut_short() const { return failure_.cut_short; }  // the search has not seen everything
+  // That has no gluing at all; -1: none.
+  Index impossible_region() const { return failure_.impossible_region; }
+  Index deepest_fan() const { return failure_.deepest_fan; }  // the fan that was in the way last; -1: none
+  std::int64_t nodes() const { return work_.nodes; }
 
   // For the solver; see there. Conditions: fans, then free fans, then links.
   bool is_open(Index r) const { return !chosen_[r]; }
   std::optional<std::vector<Index>> possible(Index r, Index& blame);
   bool list_options(Index r);
-  void choose(Index r, Index option) { chosen_[r] = &options_[r][option]; }
+  void choose(Index r, Index option) { chosen_[r] = &options_[r].gluings[option]; }
   void clear(Index r) { chosen_[r] = nullptr; }
   double rank(Index r, std::size_t options) const;
   template <class F>
@@ -75,13 +76,55 @@ class SheetSearch {
   bool exhausted();
 
  private:
-  bool worn_out() const { return looks_ > kMostGluingLooks; }
+  struct Options {
+    Named named = Named::neither;
+    std::deque<Gluing> gluings;               // addresses stay
+    bool listed = true;                       // these are all
+    std::map<std::vector<int>, Index> known;  // where they are not: which there are
+  };
+  // Conditions that a region takes part in.
+  struct Around {
+    std::vector<Index> fans, free_fans, links;
+  };
+  struct Weights {
+    std::vector<double> of;  // dead ends at each condition
+    bool count = false;      // in ranks
+  };
+  struct Work {
+    std::int64_t nodes = 0, looks = 0;
+    std::int64_t end = 0;  // nodes at which the present attempt ends
+  };
+  struct Failure {
+    bool cut_short = false;
+    Index impossible_region = -1, deepest_fan = -1;
+  };
+  static constexpr int kNowhere = -100;
+  // Sources are front copies, then slots that begin on the back. Targets are back copies, then -1 - slot for
+  // those that end there.
+  struct Ends {
+    std::vector<int> target;  // of the sources, as far as paths around the edge lead to one; else kNowhere
+    std::vector<int> open, loose;  // sources and targets at which paths begin or end
+    std::size_t copies = 0;        // of open: front copies come first
+  };
+  struct Made {
+    std::vector<int> target;  // of the sources
+    std::vector<int> path;    // sources on paths that begin or end
+  };
 
+  bool worn_out() const { return work_.looks > kMostGluingLooks; }
+
+  bool list_gluings();
+  bool gather_conditions();
+  bool search_parts();
   bool is_complete(const Fan& fan, Index open = -1) const;
   bool is_complete(const VertexLink& link) const;
   bool fits_links(Index r, Index& blame) const;
   std::optional<std::vector<Index>> make_options(Index r);
   std::optional<std::vector<Index>> options_around(const Fan& fan, Index r, int turns);
+  std::optional<Ends> ends_around(const Fan& fan, Index r) const;
+  static std::vector<Made> join_ends(Ends ends);
+  static bool add_turn(std::vector<Made>& made, std::size_t begin, int front);
+  std::vector<Index> take_in(const std::vector<Made>& made, Index r);
   int turns_at(const FreeFan& f) const;
   bool search(const std::vector<Index>& part);
 
@@ -90,31 +133,23 @@ class SheetSearch {
   const SheetPuzzle& puzzle_;
   const RunContext& context_;
   const std::int64_t most_nodes_;
-  bool cut_short_ = false;
-  std::int64_t nodes_ = 0;
-  std::int64_t looks_ = 0;
-  std::vector<Named> named_;                              // per region
-  std::vector<std::deque<Gluing>> options_;               // addresses stay
-  std::vector<char> listed_;                              // whether these are all
-  std::vector<std::map<std::vector<int>, Index>> known_;  // where they are not: which there are
+  std::vector<Options> options_;  // per region
   std::vector<const Gluing*> chosen_;
-  std::vector<std::vector<Index>> fans_of_, free_fans_of_, links_of_;  // per region
+  std::vector<Around> around_;  // per region
   std::map<Index, std::vector<Index>> open_members_;
-  Index impossible_region_ = -1;
-  Index deepest_fan_ = -1;
-  std::vector<double> weight_;  // dead ends at each condition
-  bool by_weight_ = false;      // ranks count them
-  std::int64_t end_ = 0;        // nodes at which the present attempt ends
+  Weights weights_;
+  Work work_;
+  Failure failure_;
 };
 
 template <class F>
 void SheetSearch::each_beside(Index r, F&& f) const {
-  for (const Index c : fans_of_[r])
+  for (const Index c : around_[r].fans)
     for (const Index other : open_members_.at(c)) f(other, 0);
-  for (const Index c : free_fans_of_[r])
+  for (const Index c : around_[r].free_fans)
     for (const auto& leaf : puzzle_.free_fans[c].fan.leaves) f(leaf.region, 1);
   // A link rejects nothing before all but one are chosen.
-  for (const Index c : links_of_[r]) {
+  for (const Index c : around_[r].links) {
     Index last = -1;
     bool several = false;
     for (const auto& arc : puzzle_.links[c].arcs) {
@@ -128,8 +163,8 @@ void SheetSearch::each_beside(Index r, F&& f) const {
 
 template <class F>
 void SheetSearch::weigh(Index condition, F&& again) {
-  ++weight_[condition];
-  if (!by_weight_) return;
+  ++weights_.of[condition];
+  if (!weights_.count) return;
   const Index free = condition - static_cast<Index>(puzzle_.fans.size());
   const Index link = free - static_cast<Index>(puzzle_.free_fans.size());
   if (free < 0)

@@ -15,7 +15,7 @@ namespace {
 // Means beyond flips, for tets that resisted them.
 enum class Means { cheap, strong };  // strong: collapses and insertions as well
 
-// The passes over one complex. Its many members are what one pass tells the next one.
+// The passes over one complex.
 class Passes {
  public:
   Passes(LocalOperations& work, std::span<const char> fresh, const ImproveOptions& options, Care care,
@@ -28,20 +28,18 @@ class Passes {
         insertion_gain_(care == Care::by_all_means ? kAnyGain : kInsertionPays),
         target_(std::sin(options.target_degrees * M_PI / 180)),
         insert_below_(std::sin(std::min(options.insert_below_degrees, options.target_degrees) * M_PI / 180)),
-        most_tets_(static_cast<std::int64_t>(options.growth * static_cast<double>(mesh_.tet_count())) + 100),
-        effort_left_(static_cast<std::int64_t>(options.effort * static_cast<double>(mesh_.tet_count())) +
-                     1000),
-        begin_(RunContext::Clock::now()),
-        seconds_(seconds),
-        means_(care == Care::by_all_means ? Means::strong : Means::cheap),
-        touched_(mesh_.vertex_count(), 0),
-        attempts_(mesh_.tet_capacity()) {
+        budget_{static_cast<std::int64_t>(options.growth * static_cast<double>(mesh_.tet_count())) + 100,
+                static_cast<std::int64_t>(options.effort * static_cast<double>(mesh_.tet_count())) + 1000,
+                RunContext::Clock::now(), seconds} {
     work_.be_thorough(care == Care::by_all_means);
+    if (care == Care::by_all_means) course_.means = Means::strong;
+    history_.touched.assign(mesh_.vertex_count(), 0);
+    history_.attempts.resize(mesh_.tet_capacity());
     if (!fresh.empty())
       for (Index t = 0; t < mesh_.tet_capacity(); ++t)
         if (mesh_.alive(t) && std::none_of(mesh_.tet(t).begin(), mesh_.tet(t).end(),
                                            [&](Index v) { return v < Index(fresh.size()) && fresh[v]; }))
-          attempts_[t] = {0, Means::strong};
+          history_.attempts[t] = {0, Means::strong};
   }
 
   PassesResult run() {
@@ -57,7 +55,7 @@ class Passes {
       context_.report("improve", double(pass) / (options_.passes + extra),
                       std::to_string(bad.size()) + " tets below " +
                           std::to_string(int(options_.target_degrees)) + " degrees");
-      const Means means = means_;
+      const Means means = course_.means;
       const bool whole = work_through(bad);
       if (!whole || !worth_another(result_.passes.back(), means)) break;
     }
@@ -75,20 +73,21 @@ class Passes {
   }
 
   bool touch() {
-    ++now_;
-    touched_.resize(mesh_.vertex_count(), 0);
+    ++history_.now;
+    history_.touched.resize(mesh_.vertex_count(), 0);
     for (const Index t : work_.changed())
-      for (const Index v : mesh_.tet(t)) touched_[v] = now_;
+      for (const Index v : mesh_.tet(t)) history_.touched[v] = history_.now;
     return true;
   }
 
   std::int64_t last_touched(const TetComplex::Tet& c) const {
-    return std::max({touched_[c[0]], touched_[c[1]], touched_[c[2]], touched_[c[3]]});
+    return std::max(
+        {history_.touched[c[0]], history_.touched[c[1]], history_.touched[c[2]], history_.touched[c[3]]});
   }
 
   std::optional<double> rank(Index t) const {
     if (!(work_.quality(t) < target_)) return std::nullopt;
-    const bool resisted_before = t < Index(attempts_.size()) && attempts_[t].time == 0;
+    const bool resisted_before = t < Index(history_.attempts.size()) && history_.attempts[t].time == 0;
     if (resisted_before && last_touched(mesh_.tet(t)) == 0) return std::nullopt;
     return work_.quality(t);
   }
@@ -108,17 +107,17 @@ class Passes {
     record.worst_sine = bad.front().rank;
     bool whole = true;
     for (const BadTet& b : bad) {
-      if (since(begin_) > seconds_ || context_.stop()) {
+      if (since(budget_.begin) > budget_.seconds || context_.stop()) {
         result_.end = ImproveResult::End::time_over;
         whole = false;
         break;
       }
       if (!still(b)) continue;
-      if (b.tet < static_cast<Index>(attempts_.size())) {
-        const Attempt& last = attempts_[b.tet];
-        if (last.means >= means_ && last.time >= last_touched(b.corners)) continue;
+      if (b.tet < static_cast<Index>(history_.attempts.size())) {
+        const Attempt& last = history_.attempts[b.tet];
+        if (last.means >= course_.means && last.time >= last_touched(b.corners)) continue;
       }
-      if (--effort_left_ < 0) {
+      if (--budget_.effort_left < 0) {
         result_.end = ImproveResult::End::effort_spent;
         whole = false;
         break;
@@ -135,19 +134,21 @@ class Passes {
     if (flip(b, record) || at_cut(c)) return;
     for (const Index v : c) {
       if (!still(b)) break;
-      if (v < static_cast<Index>(rested_.size()) && rested_[v] >= touched_[v]) continue;
+      if (v < static_cast<Index>(history_.rested.size()) && history_.rested[v] >= history_.touched[v])
+        continue;
       if (work_.smooth(v, smoothing_gain_)) {
         ++record.smoothed;
         touch();
       } else {
-        rested_.resize(touched_.size(), -1);
-        rested_[v] = now_;
+        history_.rested.resize(history_.touched.size(), -1);
+        history_.rested[v] = history_.now;
       }
     }
-    if (still(b) && (means_ == Means::strong || b.rank < kThin) && collapse_or_insert(b, record)) return;
+    if (still(b) && (course_.means == Means::strong || b.rank < kThin) && collapse_or_insert(b, record))
+      return;
     if (still(b)) {
-      attempts_.resize(mesh_.tet_capacity());
-      attempts_[b.tet] = {now_, means_};
+      history_.attempts.resize(mesh_.tet_capacity());
+      history_.attempts[b.tet] = {history_.now, course_.means};
     }
   }
 
@@ -173,8 +174,8 @@ class Passes {
         ++record.collapsed;
         return touch();
       }
-    if (means_ == Means::strong && options_.insert_vertices && work_.quality(b.tet) < insert_below_ &&
-        mesh_.tet_count() < most_tets_ && work_.insert_around(b.tet, insertion_gain_)) {
+    if (course_.means == Means::strong && options_.insert_vertices && work_.quality(b.tet) < insert_below_ &&
+        mesh_.tet_count() < budget_.most_tets && work_.insert_around(b.tet, insertion_gain_)) {
       ++record.inserted;
       return touch();
     }
@@ -185,24 +186,45 @@ class Passes {
   bool worth_another(const ImprovePass& record, Means means) {
     const std::int64_t changes =
         record.removed_edges + record.flips + record.smoothed + record.collapsed + record.inserted;
-    const bool slow = bad_before_ >= 0 && double(record.bad) > kSlow * double(bad_before_);
-    bad_before_ = record.bad;
+    const bool slow = course_.bad_before >= 0 && double(record.bad) > kSlow * double(course_.bad_before);
+    course_.bad_before = record.bad;
     const bool was_strong = means == Means::strong;
     if (was_strong && changes == 0) {
       result_.end = ImproveResult::End::no_progress;
       return false;
     }
-    if (slow || changes == 0) means_ = Means::strong;
+    if (slow || changes == 0) course_.means = Means::strong;
     // What is left are tets that the boundary itself makes thin; the worst of all are over with.
-    const bool worst_grows = record.worst_sine < kThin && record.worst_sine > 1.5 * worst_before_;
-    worst_before_ = record.worst_sine;
+    const bool worst_grows = record.worst_sine < kThin && record.worst_sine > 1.5 * course_.worst_before;
+    course_.worst_before = record.worst_sine;
     const bool idle =
         was_strong && slow && !worst_grows && record.inserted + record.collapsed < record.bad / kIdlePart;
-    idle_ = idle ? idle_ + 1 : 0;
-    if (idle_ < kIdlePasses) return true;
+    course_.idle = idle ? course_.idle + 1 : 0;
+    if (course_.idle < kIdlePasses) return true;
     result_.end = ImproveResult::End::no_progress;
     return false;
   }
+
+  struct Budget {
+    std::int64_t most_tets;
+    std::int64_t effort_left;  // tets
+    RunContext::Clock::time_point begin;
+    double seconds;
+  };
+  // A tet that resisted is left alone until something at its corners changes or stronger means come.
+  struct History {
+    std::int64_t now = 1;
+    std::vector<std::int64_t> touched;  // when something changed at a vertex
+    std::vector<std::int64_t> rested;   // when a vertex was last found where it is best
+    std::vector<Attempt> attempts;      // at tets
+  };
+  // From pass to pass.
+  struct Course {
+    Means means = Means::cheap;
+    std::int64_t bad_before = -1;
+    double worst_before = 0;
+    int idle = 0;
+  };
 
   LocalOperations& work_;
   const TetComplex& mesh_;
@@ -210,19 +232,9 @@ class Passes {
   const RunContext& context_;
   const double smoothing_gain_, insertion_gain_;  // factors
   const double target_, insert_below_;            // smallest dihedral sines
-  const std::int64_t most_tets_;
-  std::int64_t effort_left_;  // tets
-  const RunContext::Clock::time_point begin_;
-  const double seconds_;
-  Means means_;
-  // A tet that resisted is left alone until something at its corners changes or stronger means come.
-  std::int64_t now_ = 1;
-  std::vector<std::int64_t> touched_;  // when something changed at a vertex
-  std::vector<std::int64_t> rested_;   // when a vertex was last found where it is best
-  std::vector<Attempt> attempts_;
-  std::int64_t bad_before_ = -1;
-  double worst_before_ = 0;
-  int idle_ = 0;
+  Budget budget_;
+  History history_;
+  Course course_;
   PassesResult result_;
 };
 

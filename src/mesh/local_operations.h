@@ -22,6 +22,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -30,11 +31,14 @@
 
 namespace overtet {
 
+class Polyhedron;
+
 // Squares of a tet's circumradius over its shortest edge; rounded, not finite for tets that are too flat.
 double squared_radius_edge(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
                            const Eigen::Vector3d& d);
 
-// One class, because all operations share the tables that each has to keep right, and buffers.
+// More than 12 members: the tables that every operation has to keep right, and buffers that keep their memory
+// from one operation to the next.
 class LocalOperations {
  public:
   // Works on `mesh`, which must stay alive and must not be changed by others meanwhile.
@@ -167,6 +171,23 @@ class LocalOperations {
   double quality_at(const Eigen::Vector3d& x, double stop);
   // Climbs from x, whose quality is q; returns the quality reached. x changes only for the better.
   double optimise(Eigen::Vector3d& x, double q, int rounds);
+  struct LogSine {
+    double value;
+    Eigen::Vector3d gradient;
+  };
+  // The log sines at x that are not far from the least one; returns that.
+  double gather_sines(const Eigen::Vector3d& x, std::vector<LogSine>& all) const;
+  struct Uphill {
+    Eigen::Vector3d direction;
+    double slope;
+  };
+  // A direction in which all sines up to the limit grow, and how fast the slowest of them does.
+  static std::optional<Uphill> uphill(const std::vector<LogSine>& all, double limit);
+  // Where on the way from x the first tet becomes flat.
+  double end_of_way(const Eigen::Vector3d& x, const Eigen::Vector3d& direction) const;
+  // To the best place on the way, at which steps are halved until one is better than q, or the first doubled
+  // as long as that pays; returns the quality there.
+  double climb(Eigen::Vector3d& x, double q, const Uphill& way, double step, double end);
   // The tets around t with faces that make tets with x no better than `need`, `most` at most, go to cavity_,
   // the faces around them to hull_ and bases_. Which faces have to be better: those inside, or those of the
   // boundary, too.
@@ -189,8 +210,12 @@ class LocalOperations {
     Index moved = -1;  // a vertex with all of its tets in the cavity, which moves
     Eigen::Vector3d to = Eigen::Vector3d::Zero();
   };
-  bool refill(const Tets& cavity, const Refill& how);  // with the best tets on its points
-  bool star_of_free(Index v);                          // star_ and faces_; false when v is fixed
+  bool refill(const Tets& cavity, const Refill& how);       // with the best tets on its points
+  using EdgeBits = std::array<std::uint32_t, kMostPoints>;  // bit j of i: there is an edge i-j
+  // What the mesh has elsewhere, or may get where others work on it, is not made in the polyhedron. known:
+  // edges of the cavity (marked), hull: those of its hull, by the numbers of the points in link_.
+  void bar_elsewhere(const Refill& how, const EdgeBits& known, const EdgeBits& hull, Polyhedron& p);
+  bool star_of_free(Index v);  // star_ and faces_; false when v is fixed
 
   TetComplex& mesh_;
   std::vector<double> quality_;

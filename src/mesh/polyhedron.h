@@ -18,7 +18,7 @@
 
 namespace overtet {
 
-// Its many members are the tables of one search, kept from step to step.
+// More than 12 members: the tables of one search, in arrays of fixed size, kept from step to step.
 class Polyhedron {
  public:
   using Face = std::array<int, 3>;  // (face, x) is positive for x inside

@@ -25,6 +25,24 @@ void add_angles(Sums& sums, const Polyhedron::Tet& t, const std::array<double, 6
   }
 }
 
+// The edges of the hull keep their angles, all others make one turn.
+bool turns_stay(const std::array<std::uint32_t, kMostPoints>& hull, const Sums& before, const Sums& after,
+                int points) {
+  for (int j = 0; j < points; ++j)
+    for (int i = 0; i < j; ++i) {
+      const bool on_hull = hull[i] >> j & 1;
+      if (!on_hull && after[i][j] == 0) continue;
+      if (!(std::fabs(after[i][j] - (on_hull ? before[i][j] : 2 * M_PI)) < kTurnTolerance)) return false;
+    }
+  return true;
+}
+
+// The number of v in the polyhedron on these points, which ascend; -1: it is none of them.
+int number_in(const std::vector<Index>& points, Index v) {
+  const auto at = std::lower_bound(points.begin(), points.end(), v);
+  return at != points.end() && *at == v ? static_cast<int>(at - points.begin()) : -1;
+}
+
 // The tets around each vertex hang together across faces.
 bool stars_connected(const std::vector<Polyhedron::Tet>& tets, int points) {
   std::vector<Polyhedron::Tet> star;
@@ -46,10 +64,40 @@ bool stars_connected(const std::vector<Polyhedron::Tet>& tets, int points) {
 
 }  // namespace
 
-// One function, because the numbers that points have in the polyhedron are used by all of its steps.
+void LocalOperations::bar_elsewhere(const Refill& how, const EdgeBits& known, const EdgeBits& hull,
+                                    Polyhedron& p) {
+  const std::vector<Index>& points = link_;
+  const int n = static_cast<int>(points.size());
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < i; ++j) {
+      const Index v = points[i], w = points[j];
+      const bool allowed =
+          known[i] >> j & 1 || !((!fixed_chords_ && fixed_[v] && fixed_[w]) || (shared(v) && shared(w)));
+      if (!allowed || v == how.without || w == how.without) p.bar_edge(i, j);
+    }
+  for (int i = 0; i < n; ++i) {
+    if (hull[i] == 0) continue;
+    mesh_.star(points[i], star_);
+    for (const Index t : star_) {
+      if (tet_mark_[t] == tet_stamp_) continue;
+      int c[4], m = 0;
+      for (const Index v : mesh_.tet(t))
+        if (const int j = number_in(points, v); j >= 0) c[m++] = j;
+      for (int x = 0; x < m; ++x)
+        for (int y = 0; y < x; ++y) {
+          if (!(hull[c[x]] >> c[y] & 1)) p.bar_edge(c[x], c[y]);
+          for (int z = 0; z < y; ++z) p.bar_face(c[x], c[y], c[z]);
+        }
+    }
+  }
+  if (how.no_face[0] >= 0) {
+    const auto& f = how.no_face;
+    p.bar_face(number_in(points, f[0]), number_in(points, f[1]), number_in(points, f[2]));
+  }
+}
+
 bool LocalOperations::refill(const Tets& cavity, const Refill& how) {
   if (!hull_of(cavity, hull_)) return false;
-  const std::uint32_t inside = tet_stamp_;
   static thread_local Polyhedron p;
   static thread_local std::vector<Polyhedron::Tet> filling;
   std::vector<Index>& points = link_;
@@ -59,16 +107,13 @@ bool LocalOperations::refill(const Tets& cavity, const Refill& how) {
   points.erase(std::unique(points.begin(), points.end()), points.end());
   if (points.size() > kMostPoints) return false;
   const int n = static_cast<int>(points.size());
-  const auto local = [&](Index v) {
-    const auto at = std::lower_bound(points.begin(), points.end(), v);
-    return at != points.end() && *at == v ? static_cast<int>(at - points.begin()) : -1;
-  };
+  const auto local = [&](Index v) { return number_in(points, v); };
   for (const Index v : points)
     if (v < static_cast<Index>(shared_.size()) && shared_[v] > 1) return false;
 
   p.clear();
   for (const Index v : points) p.add_point(v == how.moved ? how.to : mesh_.position(v));
-  std::array<std::uint32_t, kMostPoints> known{}, hull{};  // edges: the cavity's, and those of its hull
+  EdgeBits known{}, hull{};  // the cavity's, and those of its hull
   const auto join = [](auto& edges, int i, int j) { edges[i] |= 1u << j, edges[j] |= 1u << i; };
   for (const Face& f : hull_) {
     const Polyhedron::Face g{local(f[0]), local(f[1]), local(f[2])};
@@ -85,42 +130,13 @@ bool LocalOperations::refill(const Tets& cavity, const Refill& how) {
                dihedral_angles(mesh_.position(v[0]), mesh_.position(v[1]), mesh_.position(v[2]),
                                mesh_.position(v[3])));
   }
-  // What the mesh has elsewhere, or may get where others work on it, is not made here.
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j < i; ++j) {
-      const Index v = points[i], w = points[j];
-      const bool allowed =
-          known[i] >> j & 1 || !((!fixed_chords_ && fixed_[v] && fixed_[w]) || (shared(v) && shared(w)));
-      if (!allowed || v == how.without || w == how.without) p.bar_edge(i, j);
-    }
-  for (int i = 0; i < n; ++i) {
-    if (hull[i] == 0) continue;
-    mesh_.star(points[i], star_);
-    for (const Index t : star_) {
-      if (tet_mark_[t] == inside) continue;
-      int c[4], m = 0;
-      for (const Index v : mesh_.tet(t))
-        if (const int j = local(v); j >= 0) c[m++] = j;
-      for (int x = 0; x < m; ++x)
-        for (int y = 0; y < x; ++y) {
-          if (!(hull[c[x]] >> c[y] & 1)) p.bar_edge(c[x], c[y]);
-          for (int z = 0; z < y; ++z) p.bar_face(c[x], c[y], c[z]);
-        }
-    }
-  }
-  if (how.no_face[0] >= 0) p.bar_face(local(how.no_face[0]), local(how.no_face[1]), local(how.no_face[2]));
+  bar_elsewhere(how, known, hull, p);
   if (!(p.fill(how.must, kFillSteps, filling) > how.must)) return false;
 
   // The cavity may not be embedded: nothing may make another turn, or hang on a vertex alone.
   for (const auto& t : filling)
     add_angles(after, t, dihedral_angles(p.point(t[0]), p.point(t[1]), p.point(t[2]), p.point(t[3])));
-  for (int j = 0; j < n; ++j)
-    for (int i = 0; i < j; ++i) {
-      const bool on_hull = hull[i] >> j & 1;
-      if (!on_hull && after[i][j] == 0) continue;
-      if (!(std::fabs(after[i][j] - (on_hull ? before[i][j] : 2 * M_PI)) < kTurnTolerance)) return false;
-    }
-  if (!stars_connected(filling, n)) return false;
+  if (!turns_stay(hull, before, after, n) || !stars_connected(filling, n)) return false;
   added_.clear();
   for (const auto& t : filling) added_.push_back({points[t[0]], points[t[1]], points[t[2]], points[t[3]]});
   if (how.moved < 0) return commit(cavity);

@@ -2,6 +2,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 
 #include "kernels/tet_energy/tet_quality.h"
@@ -67,104 +68,116 @@ double LocalOperations::quality_at(const Vector3d& x, double stop) {
   return q;
 }
 
-// One function, because each round uses all that the search for its direction has left.
-double LocalOperations::optimise(Vector3d& x, double q, int rounds) {
-  struct Active {
-    double log_sine;
-    Vector3d gradient;
-  };
-  const std::span<const double> factors = thorough_ ? std::span<const double>(kAllFactors) : kActiveFactor;
-  const double least_gain = thorough_ ? 0 : kLeastStepGain;
-  static thread_local std::vector<Active> all;
+double LocalOperations::gather_sines(const Vector3d& x, std::vector<LogSine>& all) const {
   static thread_local std::vector<double> worst_of;  // of each base
-  for (int round = 0; round < rounds; ++round) {
-    all.clear();
-    worst_of.clear();
-    double lowest = HUGE_VAL;
-    for (const Base& f : bases_) {
-      worst_of.push_back(f.weight * min_dihedral_sine(f.a, f.b, f.c, x));
-      lowest = std::min(lowest, worst_of.back());
+  all.clear();
+  worst_of.clear();
+  double lowest = HUGE_VAL;
+  for (const Base& f : bases_) {
+    worst_of.push_back(f.weight * min_dihedral_sine(f.a, f.b, f.c, x));
+    lowest = std::min(lowest, worst_of.back());
+  }
+  DihedralSines sines;
+  double least = HUGE_VAL;
+  for (std::size_t i = 0; i < bases_.size(); ++i) {
+    if (worst_of[i] > kFarFromWorst * lowest) continue;
+    const Base& f = bases_[i];
+    dihedral_sines(f.a, f.b, f.c, x, sines);
+    for (int e = 0; e < 6; ++e) {
+      const double sine = f.weight * sines.sine[e];
+      if (sine > kFarFromWorst * lowest) continue;
+      const double s = std::log(std::max(sine, 1e-40));
+      if (!std::isfinite(s) || !sines.log_gradient[e].allFinite()) continue;
+      all.push_back({s, sines.log_gradient[e]});
+      least = std::min(least, s);
     }
-    DihedralSines sines;
-    double least = HUGE_VAL;
-    for (std::size_t i = 0; i < bases_.size(); ++i) {
-      if (worst_of[i] > kFarFromWorst * lowest) continue;
-      const Base& f = bases_[i];
-      dihedral_sines(f.a, f.b, f.c, x, sines);
-      for (int e = 0; e < 6; ++e) {
-        const double sine = f.weight * sines.sine[e];
-        if (sine > kFarFromWorst * lowest) continue;
-        const double s = std::log(std::max(sine, 1e-40));
-        if (!std::isfinite(s) || !sines.log_gradient[e].allFinite()) continue;
-        all.push_back({s, sines.log_gradient[e]});
-        least = std::min(least, s);
+  }
+  return least;
+}
+
+std::optional<LocalOperations::Uphill> LocalOperations::uphill(const std::vector<LogSine>& all,
+                                                               double limit) {
+  std::array<Vector3d, kMostActive> active;
+  active.fill(Vector3d::Zero());
+  std::array<double, kMostActive> value{};
+  int n = 0;
+  for (const LogSine& a : all) {
+    if (a.value > limit) continue;
+    if (n < kMostActive) {
+      active[n] = a.gradient;
+      value[n++] = a.value;
+    } else {
+      const int worst_kept = static_cast<int>(std::max_element(value.begin(), value.end()) - value.begin());
+      if (a.value < value[worst_kept]) {
+        active[worst_kept] = a.gradient;
+        value[worst_kept] = a.value;
       }
     }
+  }
+  const Vector3d y = nearest_to_origin(active.data(), n);
+  const double yy = y.norm();
+  if (!(yy > 0) || !std::isfinite(yy)) return std::nullopt;
+  Uphill out{y / yy, HUGE_VAL};
+  for (int i = 0; i < n; ++i) out.slope = std::min(out.slope, active[i].dot(out.direction));
+  if (!(out.slope > 1e-3 * yy)) return std::nullopt;
+  return out;
+}
+
+double LocalOperations::end_of_way(const Vector3d& x, const Vector3d& direction) const {
+  // Volumes are linear along the way.
+  double end = HUGE_VAL;
+  for (const Base& f : bases_) {
+    const Vector3d normal = (f.b - f.a).cross(f.c - f.a);
+    const double rate = normal.dot(direction);
+    if (rate < 0) end = std::min(end, std::max(normal.dot(x - f.a), 0.0) / -rate);
+  }
+  return end;
+}
+
+double LocalOperations::climb(Vector3d& x, double q, const Uphill& way, double step, double end) {
+  const double least_gain = thorough_ ? 0 : kLeastStepGain;
+  const Vector3d from = x;
+  for (int halving = 0; halving < kMostHalvings && step * way.slope > least_gain; ++halving, step *= 0.5) {
+    const Vector3d trial = from + step * way.direction;
+    const double here = quality_at(trial, q);
+    if (!(here > q)) continue;
+    q = here;
+    x = trial;
+    if (halving > 0) break;
+    // Right at the first try: go on as long as it pays.
+    for (double longer = 2 * step; longer < 0.9 * end; longer *= 2) {
+      const Vector3d far = from + longer * way.direction;
+      const double there = quality_at(far, q);
+      if (!(there > q)) break;
+      q = there;
+      x = far;
+    }
+    break;
+  }
+  return q;
+}
+
+double LocalOperations::optimise(Vector3d& x, double q, int rounds) {
+  const std::span<const double> factors = thorough_ ? std::span<const double>(kAllFactors) : kActiveFactor;
+  static thread_local std::vector<LogSine> all;
+  for (int round = 0; round < rounds; ++round) {
+    const double least = gather_sines(x, all);
     if (all.empty()) return q;
     bool moved = false;
     for (const double factor : factors) {
       const double limit = least + std::log(factor);
-      std::array<Vector3d, kMostActive> active;
-      active.fill(Vector3d::Zero());
-      std::array<double, kMostActive> value{};
-      int n = 0;
-      for (const Active& a : all) {
-        if (a.log_sine > limit) continue;
-        if (n < kMostActive) {
-          active[n] = a.gradient;
-          value[n++] = a.log_sine;
-        } else {
-          const int worst_kept =
-              static_cast<int>(std::max_element(value.begin(), value.end()) - value.begin());
-          if (a.log_sine < value[worst_kept]) {
-            active[worst_kept] = a.gradient;
-            value[worst_kept] = a.log_sine;
-          }
-        }
-      }
-      const Vector3d y = nearest_to_origin(active.data(), n);
-      const double yy = y.norm();
-      if (!(yy > 0) || !std::isfinite(yy)) continue;
-      const Vector3d direction = y / yy;
-      double slope = HUGE_VAL;
-      for (int i = 0; i < n; ++i) slope = std::min(slope, active[i].dot(direction));
-      if (!(slope > 1e-3 * yy)) continue;
-
-      // Volumes are linear along the way: here the first one would be zero.
-      double end = HUGE_VAL;
-      for (const Base& f : bases_) {
-        const Vector3d normal = (f.b - f.a).cross(f.c - f.a);
-        const double rate = normal.dot(direction);
-        if (rate < 0) end = std::min(end, std::max(normal.dot(x - f.a), 0.0) / -rate);
-      }
+      const std::optional<Uphill> way = uphill(all, limit);
+      if (!way) continue;
+      const double end = end_of_way(x, way->direction);
       if (!(end > 0) || !std::isfinite(end)) continue;
       // Where the linear model says that another function becomes the worst.
       double step = 0.7 * end;
-      for (const Active& a : all) {
-        const double s = a.gradient.dot(direction);
-        if (a.log_sine > limit && s < slope) step = std::min(step, (a.log_sine - least) / (slope - s));
+      for (const LogSine& a : all) {
+        const double s = a.gradient.dot(way->direction);
+        if (a.value > limit && s < way->slope) step = std::min(step, (a.value - least) / (way->slope - s));
       }
-      step = std::max(step, 1e-3 * end);
-      double reached = q;
       Vector3d best = x;
-      for (int halving = 0; halving < kMostHalvings && step * slope > least_gain; ++halving, step *= 0.5) {
-        const Vector3d trial = x + step * direction;
-        const double here = quality_at(trial, reached);
-        if (here > reached) {
-          reached = here;
-          best = trial;
-          if (halving > 0) break;
-          // Right at the first try: go on as long as it pays.
-          for (double longer = 2 * step; longer < 0.9 * end; longer *= 2) {
-            const Vector3d far = x + longer * direction;
-            const double there = quality_at(far, reached);
-            if (!(there > reached)) break;
-            reached = there;
-            best = far;
-          }
-          break;
-        }
-      }
+      const double reached = climb(best, q, *way, std::max(step, 1e-3 * end), end);
       if (reached > q * (1 + 1e-4)) {
         moved = true;
         const bool small = reached < q * 1.01;

@@ -167,24 +167,16 @@ class Reverse {
     began_ = std::chrono::steady_clock::now();
   }
 
-  // One rest shape. False: out of time or locked, U is what there is. One function, because a step is one
-  // system from its first entry to the end of the line search.
+  // One rest shape. False: out of time or locked, U is what there is.
   Result<bool> stage(const VertexMatrix& W, int iterations, int number, int stages, VertexMatrix& U) {
-    const Index n = static_cast<Index>(local_.row_vertex.size());
-    const Eigen::VectorXd h = mean_edges(W, s_.F);
-    ContactRule rule;
-    rule.reach = o_.reach;
-    rule.ring_reach = o_.ring_reach;
-    rule.ring_floor = o_.ring_floor;
-    ContactMesh mesh(U, s_.F, free_, W, h, rule);
-    Arap arap(local_.gather(W), local_.F);
-    System system(restrict_to_unknowns(arap.matrix(), local_));
     const Eigen::VectorXd mass_all = lumped_mass(W, s_.F);
     const double total = mass_all.sum();
     if (!(total > 0)) return true;  // a collapsed state has no shape to go back to
-    Eigen::VectorXd mass(n);
+    Rest rest(*this, W, U);
+    const Index n = static_cast<Index>(local_.row_vertex.size());
+    rest.mass.resize(n);
     for (Index i = 0; i < n; ++i)
-      mass[i] =
+      rest.mass[i] =
           std::max(mass_all[local_.row_vertex[i]] / total, kAreaFloor / s_.V.rows()) / (o_.eps * o_.eps);
 
     VertexMatrix before = U;  // the state before U, for inertia
@@ -200,60 +192,10 @@ class Reverse {
       ReverseFlowStep record;
       record.stage = number;
       record.iteration = iteration;
-
-      mesh.set_mean_edges((o_.growth * mean_edges(U, s_.F)).cwiseMin(h));
-      const VertexMatrix u = local_.gather(U);
-      arap.fit_rotations(u);
-      VertexMatrix gradient;
-      arap.gradient(u, gradient);
-      record.energy = arap.energy(u) / area_;
-      VertexMatrix g(n, 3);
-      for (std::size_t i = 0; i < local_.global.size(); ++i)
-        if (const Index r = local_.unknown[i]; r >= 0) g.row(r) = gradient.row(i);
-      if (o_.inertia)
-        for (Index r = 0; r < n; ++r)
-          g.row(r) -= mass[r] * (U.row(local_.row_vertex[r]) - before.row(local_.row_vertex[r]));
-      g -= force;
-
-      Eigen::VectorXd diagonal = mass;
-      std::vector<System::Entry> entries;
-      if (o_.response == ReverseFlowOptions::ContactResponse::barrier)
-        record.contacts = add_contacts(mesh.find_contacts(U), g, diagonal, entries);
-
-      VertexMatrix step;
-      bool solved = false;
-      for (int tries = 0; tries <= kMoreMassTries && !solved; ++tries) {
-        if (tries > 0) diagonal += std::pow(kMoreMass, tries) * mass;
-        solved = system.factor(entries, diagonal) && system.solve(g, step) && step.allFinite();
-      }
-      if (!solved) {
-        // The rest shape is too degenerate for its Laplacian: what there is stays valid.
-        context_.note(LogLevel::warning,
-                      "The reverse flow ended early because a linear system could not be solved.");
-        return true;
-      }
-      VertexMatrix P = VertexMatrix::Zero(U.rows(), 3);
-      for (Index r = 0; r < n; ++r) P.row(local_.row_vertex[r]) = -step.row(r);
-
-      force.setZero();
-      if (o_.response == ReverseFlowOptions::ContactResponse::barrier) {
-        search_line(mesh, U, h, P, record);
-      } else if (!pin(mesh, system, entries, diagonal, g, U, h, P, force, mass, record)) {
-        return true;
-      }
+      VertexMatrix P;
+      if (!find_step(rest, U, before, force, P, record)) return true;
       if (const auto stop = context_.stop()) return *stop;  // the line search may have ended early
-      VertexMatrix next = U + P;
-      double move = 0;
-      for (Index v : local_.row_vertex) move = std::max(move, P.row(v).norm() / h[v]);
-      record.move = move;
-      record.seconds = seconds();
-      before = std::move(U);
-      U = std::move(next);
-      if (o_.on_state) o_.on_state(U);
-      result_.steps.push_back(record);
-      result_.rollbacks += record.held;
-      result_.work += static_cast<double>(local_.F.rows() + record.contacts) * (1 + record.halvings);
-      ++result_.iterations;
+      take_step(P, rest.h, U, before, record);
       context_.report("reverse_flow", (number + static_cast<double>(iteration) / iterations) / stages,
                       std::to_string(record.contacts) + " contacts");
       struggling = record.halvings >= o_.lock_halvings ? struggling + 1 : 0;
@@ -261,23 +203,113 @@ class Reverse {
         result_.termination = ReverseFlowResult::Termination::locked;
         return false;
       }
-      standstill = move > 0 ? 0 : standstill + 1;
-      if (standstill >= kStandstill || (move < o_.still && record.halvings == 0)) break;
+      standstill = record.move > 0 ? 0 : standstill + 1;
+      if (standstill >= kStandstill || (record.move < o_.still && record.halvings == 0)) break;
     }
     return true;
   }
 
  private:
+  // What belongs to one rest shape W.
+  struct Rest {
+    Eigen::VectorXd h;  // mean edges
+    ContactMesh mesh;
+    Arap arap;
+    System system;
+    Eigen::VectorXd mass;  // by row, relative to the area, over the squared time step
+
+    Rest(const Reverse& flow, const VertexMatrix& W, const VertexMatrix& U)
+        : h(mean_edges(W, flow.s_.F)),
+          mesh(U, flow.s_.F, flow.free_, W, h, flow.contact_rule()),
+          arap(flow.local_.gather(W), flow.local_.F),
+          system(restrict_to_unknowns(arap.matrix(), flow.local_)) {}
+  };
+
+  // Of one step: (system's base + diagonal + entries) step = gradient.
+  struct Equations {
+    VertexMatrix gradient;
+    Eigen::VectorXd diagonal;
+    std::vector<System::Entry> entries;
+  };
+
+  ContactRule contact_rule() const {
+    ContactRule rule;
+    rule.reach = o_.reach;
+    rule.ring_reach = o_.ring_reach;
+    rule.ring_floor = o_.ring_floor;
+    return rule;
+  }
+
+  Equations equations(Rest& rest, const VertexMatrix& U, const VertexMatrix& before,
+                      const VertexMatrix& force, ReverseFlowStep& record) const {
+    const Index n = static_cast<Index>(local_.row_vertex.size());
+    rest.mesh.set_mean_edges((o_.growth * mean_edges(U, s_.F)).cwiseMin(rest.h));
+    const VertexMatrix u = local_.gather(U);
+    rest.arap.fit_rotations(u);
+    VertexMatrix gradient;
+    rest.arap.gradient(u, gradient);
+    record.energy = rest.arap.energy(u) / area_;
+    Equations e{VertexMatrix(n, 3), rest.mass, {}};
+    for (std::size_t i = 0; i < local_.global.size(); ++i)
+      if (const Index r = local_.unknown[i]; r >= 0) e.gradient.row(r) = gradient.row(i);
+    if (o_.inertia)
+      for (Index r = 0; r < n; ++r)
+        e.gradient.row(r) -= rest.mass[r] * (U.row(local_.row_vertex[r]) - before.row(local_.row_vertex[r]));
+    e.gradient -= force;
+    if (o_.response == ReverseFlowOptions::ContactResponse::barrier)
+      record.contacts = add_contacts(rest.mesh.find_contacts(U), e);
+    return e;
+  }
+
+  // The step P from U, as far as it is safe. before: the state before U; force: what pushes faces apart, in
+  // this step and then in the next one. False: the stage ends early.
+  bool find_step(Rest& rest, const VertexMatrix& U, const VertexMatrix& before, VertexMatrix& force,
+                 VertexMatrix& P, ReverseFlowStep& record) const {
+    Equations e = equations(rest, U, before, force, record);
+    VertexMatrix step;
+    bool solved = false;
+    for (int tries = 0; tries <= kMoreMassTries && !solved; ++tries) {
+      if (tries > 0) e.diagonal += std::pow(kMoreMass, tries) * rest.mass;
+      solved = rest.system.factor(e.entries, e.diagonal) && rest.system.solve(e.gradient, step) &&
+               step.allFinite();
+    }
+    if (!solved) {
+      // The rest shape is too degenerate for its Laplacian: what there is stays valid.
+      context_.note(LogLevel::warning,
+                    "The reverse flow ended early because a linear system could not be solved.");
+      return false;
+    }
+    P = VertexMatrix::Zero(U.rows(), 3);
+    for (Index r = 0; r < step.rows(); ++r) P.row(local_.row_vertex[r]) = -step.row(r);
+    force.setZero();
+    if (o_.response != ReverseFlowOptions::ContactResponse::barrier) return pin(rest, e, U, P, force, record);
+    search_line(rest.mesh, U, P, record);
+    return true;
+  }
+
+  void take_step(const VertexMatrix& P, const Eigen::VectorXd& h, VertexMatrix& U, VertexMatrix& before,
+                 ReverseFlowStep& record) {
+    VertexMatrix next = U + P;
+    for (Index v : local_.row_vertex) record.move = std::max(record.move, P.row(v).norm() / h[v]);
+    record.seconds = seconds();
+    before = std::move(U);
+    U = std::move(next);
+    if (o_.on_state) o_.on_state(U);
+    result_.steps.push_back(record);
+    result_.rollbacks += record.held;
+    result_.work += static_cast<double>(local_.F.rows() + record.contacts) * (1 + record.halvings);
+    ++result_.iterations;
+  }
+
   double seconds() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
   }
 
   Index row_of(Index v) const { return local_.local[v] < 0 ? -1 : local_.unknown[local_.local[v]]; }
 
-  Index add_contacts(const std::vector<Contact>& contacts, VertexMatrix& g, Eigen::VectorXd& diagonal,
-                     std::vector<System::Entry>& entries) const {
-    const std::int64_t n = g.rows();
-    entries.reserve(6 * contacts.size());
+  Index add_contacts(const std::vector<Contact>& contacts, Equations& e) const {
+    const std::int64_t n = e.gradient.rows();
+    e.entries.reserve(6 * contacts.size());
     for (const Contact& c : contacts) {
       if (!(c.closest.distance > 0)) continue;
       const double x = std::max(c.closest.distance / c.dhat, kSmallestRelativeDistance);
@@ -288,12 +320,12 @@ class Reverse {
       for (int i = 0; i < 4; ++i) row[i] = row_of(c.v[i]);
       for (int i = 0; i < 4; ++i) {
         if (row[i] < 0 || c.closest.w[i] == 0) continue;
-        g.row(row[i]) += slope * c.closest.w[i] * direction;
-        diagonal[row[i]] += stiffness * c.closest.w[i] * c.closest.w[i];
+        e.gradient.row(row[i]) += slope * c.closest.w[i] * direction;
+        e.diagonal[row[i]] += stiffness * c.closest.w[i] * c.closest.w[i];
         for (int j = 0; j < i; ++j) {
           if (row[j] < 0 || c.closest.w[j] == 0) continue;
           const std::int64_t a = std::max(row[i], row[j]), b = std::min(row[i], row[j]);
-          entries.push_back({b * n + a, stiffness * c.closest.w[i] * c.closest.w[j]});
+          e.entries.push_back({b * n + a, stiffness * c.closest.w[i] * c.closest.w[j]});
         }
       }
     }
@@ -301,8 +333,7 @@ class Reverse {
   }
 
   // Scales P down until the step is safe.
-  void search_line(ContactMesh& mesh, const VertexMatrix& U, const Eigen::VectorXd&, VertexMatrix& P,
-                   ReverseFlowStep& record) const {
+  void search_line(ContactMesh& mesh, const VertexMatrix& U, VertexMatrix& P, ReverseFlowStep& record) const {
     for (int round = 0;; ++round) {
       const std::vector<ContactMesh::Hit> hits = mesh.check_step(U, P);
       if (hits.empty()) return;
@@ -365,16 +396,14 @@ class Reverse {
 
   // The paper's response: vertices of faces that would meet are fixed where they were and the step is
   // solved again, until nothing meets; the same vertices are pushed apart in the next step.
-  bool pin(ContactMesh& mesh, System& system, std::vector<System::Entry>& entries,
-           const Eigen::VectorXd& diagonal, const VertexMatrix& g, const VertexMatrix& U,
-           const Eigen::VectorXd& h, VertexMatrix& P, VertexMatrix& force, const Eigen::VectorXd& mass,
+  bool pin(Rest& rest, Equations& e, const VertexMatrix& U, VertexMatrix& P, VertexMatrix& force,
            ReverseFlowStep& record) const {
-    const Index n = static_cast<Index>(g.rows());
+    const Index n = static_cast<Index>(e.gradient.rows());
     std::vector<char> pinned(n, 0);
     // Stiff enough to hold a vertex to rounding; its step is then set to zero exactly.
-    const double stiff = 1e10 * system.base().diagonal().cwiseAbs().maxCoeff();
+    const double stiff = 1e10 * rest.system.base().diagonal().cwiseAbs().maxCoeff();
     for (int round = 0;; ++round) {
-      const std::vector<ContactMesh::Hit> hits = mesh.check_step(U, P);
+      const std::vector<ContactMesh::Hit> hits = rest.mesh.check_step(U, P);
       if (hits.empty()) return true;
       ++record.halvings;
       if (round == kPinRounds || context_.stop()) {
@@ -382,15 +411,16 @@ class Reverse {
         return true;
       }
       for (const auto& hit : hits) {
-        if (o_.repulsion > 0) push_apart(hit, U, h, mass, force);
+        if (o_.repulsion > 0) push_apart(hit, U, rest, force);
         for (Index v : hit.v)
           if (const Index r = row_of(v); r >= 0 && !std::exchange(pinned[r], 1)) ++record.held;
       }
-      Eigen::VectorXd held = diagonal;
-      VertexMatrix b = g, step;
+      Eigen::VectorXd held = e.diagonal;
+      VertexMatrix b = e.gradient, step;
       for (Index r = 0; r < n; ++r)
         if (pinned[r]) held[r] += stiff, b.row(r).setZero();
-      if (!system.factor(entries, held) || !system.solve(b, step) || !step.allFinite()) return false;
+      if (!rest.system.factor(e.entries, held) || !rest.system.solve(b, step) || !step.allFinite())
+        return false;
       for (Index r = 0; r < n; ++r) {
         if (pinned[r])
           P.row(local_.row_vertex[r]).setZero();
@@ -401,17 +431,17 @@ class Reverse {
   }
 
   // Weighted by mass and capped: with the stiffness on the diagonal instead it explodes (measured).
-  void push_apart(const ContactMesh::Hit& hit, const VertexMatrix& U, const Eigen::VectorXd& h,
-                  const Eigen::VectorXd& mass, VertexMatrix& force) const {
-    const Eigen::RowVector3d apart =
+  void push_apart(const ContactMesh::Hit& hit, const VertexMatrix& U, const Rest& rest,
+                  VertexMatrix& force) const {
+    const Eigen::RowVector3d away =
         0.5 * (U.row(hit.v[0]) + U.row(hit.v[1]) - U.row(hit.v[2]) - U.row(hit.v[3]));
     for (int i = 0; i < 4; ++i) {
       const Index r = row_of(hit.v[i]);
       if (r < 0) continue;
-      Eigen::RowVector3d push = (i < 2 ? o_.repulsion : -o_.repulsion) * apart;
-      const double cap = o_.repulsion_cap * h[hit.v[i]], length = push.norm();
+      Eigen::RowVector3d push = (i < 2 ? o_.repulsion : -o_.repulsion) * away;
+      const double cap = o_.repulsion_cap * rest.h[hit.v[i]], length = push.norm();
       if (length > cap) push *= cap / length;
-      force.row(r) += mass[r] * push;
+      force.row(r) += rest.mass[r] * push;
     }
   }
 

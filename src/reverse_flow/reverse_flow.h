@@ -47,6 +47,7 @@
 
 namespace overtet {
 
+// More than 12 members: flat options, which callers set by name.
 struct ReverseFlowOptions {
   enum class ContactResponse { barrier, pins };
   ContactResponse response = ContactResponse::barrier;

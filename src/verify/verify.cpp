@@ -147,13 +147,13 @@ class Star {
   template <class Visit>
   void turns(const double* x, Visit&& visit) {
     const Index n = static_cast<Index>(vertices_.size());
-    around_begin_.assign(static_cast<std::size_t>(n) + 1, 0);
-    for (const Index t : triangle_) ++around_begin_[t + 1];
-    std::partial_sum(around_begin_.begin(), around_begin_.end(), around_begin_.begin());
-    around_.resize(triangle_.size());
+    around_.begin.assign(static_cast<std::size_t>(n) + 1, 0);
+    for (const Index t : triangle_) ++around_.begin[t + 1];
+    std::partial_sum(around_.begin.begin(), around_.begin.end(), around_.begin.begin());
+    around_.places.resize(triangle_.size());
     for (Index place = static_cast<Index>(triangle_.size()); place-- > 0;)
-      around_[--around_begin_[triangle_[place] + 1]] = place;
-    // around_begin_[i + 1] is now where i begins.
+      around_.places[--around_.begin[triangle_[place] + 1]] = place;
+    // around_.begin[i + 1] is now where i begins.
     order_.clear();
     for (Index i = 0; i < n; ++i)
       if (vertices_[i] > v_ && rim_[i] == 0) order_.push_back(i);
@@ -162,11 +162,11 @@ class Star {
     const auto point = [&](Index v) { return x + 3 * static_cast<std::ptrdiff_t>(v); };
     const double* const from_point = point(v_);
     for (const Index other : order_) {
-      const Index begin = around_begin_[other + 1],
-                  end = other + 1 < n ? around_begin_[other + 2] : static_cast<Index>(around_.size());
+      const Index begin = around_.begin[other + 1],
+                  end = other + 1 < n ? around_.begin[other + 2] : static_cast<Index>(around_.places.size());
       const double* const to_point = point(vertices_[other]);
       const auto wedge = [&](Index place, int k) { return triangle_[place - place % 3 + (place + k) % 3]; };
-      const Index fixed = wedge(around_[begin], 1);
+      const Index fixed = wedge(around_.places[begin], 1);
       const auto side = [&](Index y) {
         if (side_[y] == kUnknown)
           side_[y] = static_cast<signed char>(
@@ -176,11 +176,11 @@ class Star {
       int turns = 0;
       for (Index i = begin; i < end; ++i) {
         // The wedge [k, l) is less than half a turn wide.
-        const Index k = wedge(around_[i], 1), l = wedge(around_[i], 2);
+        const Index k = wedge(around_.places[i], 1), l = wedge(around_.places[i], 2);
         if ((k == fixed || side(k) >= 0) && l != fixed && side(l) < 0) ++turns;
       }
       for (Index i = begin; i < end; ++i)
-        for (int k = 1; k < 3; ++k) side_[wedge(around_[i], k)] = kUnknown;
+        for (int k = 1; k < 3; ++k) side_[wedge(around_.places[i], k)] = kUnknown;
       visit(vertices_[other], turns);
     }
   }
@@ -224,7 +224,11 @@ class Star {
   std::vector<Index> rim_;                  // by vertex of the link: boundary edges there
   std::vector<Index> vertex_at_, edge_at_;  // hash tables with open addressing
   UnionFind joined_;
-  std::vector<Index> around_begin_, around_, order_;
+  struct Around {
+    std::vector<Index> begin, places;  // by vertex of the link: the corners of triangles there
+  };
+  Around around_;
+  std::vector<Index> order_;
   std::vector<signed char> side_;
 };
 

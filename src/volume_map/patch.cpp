@@ -203,41 +203,43 @@ bool PatchNewton::analyze() {
           for (const Index w : d) add(v, w);
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  block_start_.assign(static_cast<std::size_t>(free_) + 1, 0);
-  block_rows_.clear();
+  hessian_.block_start.assign(static_cast<std::size_t>(free_) + 1, 0);
+  hessian_.block_rows.clear();
   for (const std::uint64_t pair : pairs) {
-    ++block_start_[(pair >> 32) + 1];
-    block_rows_.push_back(static_cast<Index>(pair & 0xffffffffu));
+    ++hessian_.block_start[(pair >> 32) + 1];
+    hessian_.block_rows.push_back(static_cast<Index>(pair & 0xffffffffu));
   }
-  for (Index v = 0; v < free_; ++v) block_start_[v + 1] += block_start_[v];
-  hessian_.resize(3 * free_, 3 * free_);
-  hessian_.resizeNonZeros(9 * static_cast<Eigen::Index>(pairs.size()) - 3 * free_);
-  int* const start = hessian_.outerIndexPtr();
-  int* const rows = hessian_.innerIndexPtr();
+  for (Index v = 0; v < free_; ++v) hessian_.block_start[v + 1] += hessian_.block_start[v];
+  hessian_.matrix.resize(3 * free_, 3 * free_);
+  hessian_.matrix.resizeNonZeros(9 * static_cast<Eigen::Index>(pairs.size()) - 3 * free_);
+  int* const start = hessian_.matrix.outerIndexPtr();
+  int* const rows = hessian_.matrix.innerIndexPtr();
   int at = 0;
   for (Index v = 0; v < free_; ++v)
     for (int j = 0; j < 3; ++j) {
       start[3 * v + j] = at;
-      for (Index b = block_start_[v]; b < block_start_[v + 1]; ++b)
-        for (int i = b == block_start_[v] ? j : 0; i < 3; ++i) rows[at++] = 3 * block_rows_[b] + i;
+      for (Index b = hessian_.block_start[v]; b < hessian_.block_start[v + 1]; ++b)
+        for (int i = b == hessian_.block_start[v] ? j : 0; i < 3; ++i)
+          rows[at++] = 3 * hessian_.block_rows[b] + i;
     }
   start[3 * free_] = at;
-  return factor_.analyze(hessian_);
+  return factor_.analyze(hessian_.matrix);
 }
 
 PatchNewton::Block PatchNewton::block(Index row, Index column) const {
-  const int* const start = hessian_.outerIndexPtr() + 3 * column;
+  const int* const start = hessian_.matrix.outerIndexPtr() + 3 * column;
   if (row == column) return {{start[0], start[1], start[2]}, true};
-  const auto first = block_rows_.begin() + block_start_[column];
+  const auto first = hessian_.block_rows.begin() + hessian_.block_start[column];
   const auto p = static_cast<int>(
-      std::lower_bound(first, block_rows_.begin() + block_start_[column + 1], row) - first - 1);
+      std::lower_bound(first, hessian_.block_rows.begin() + hessian_.block_start[column + 1], row) - first -
+      1);
   return {{start[0] + 3 + 3 * p, start[1] + 2 + 3 * p, start[2] + 1 + 3 * p}, false};
 }
 
 // The energy here, its gradient and its Hessian; an infinite energy where there is none.
 double PatchNewton::assemble(const PatchForces& forces, const std::vector<double>& weights) {
-  double* const values = hessian_.valuePtr();
-  std::fill(values, values + hessian_.nonZeros(), 0.0);
+  double* const values = hessian_.matrix.valuePtr();
+  std::fill(values, values + hessian_.matrix.nonZeros(), 0.0);
   gradient_ = Eigen::VectorXd::Zero(3 * free_);
   // add(r, s): the entry of row r and column s of a block.
   const auto put = [&](Index v, Index w, const auto& entry) {
@@ -319,7 +321,7 @@ bool PatchNewton::step(const PatchForces& forces) {
   work_ += factor_.factor_entries() + kTetCost * static_cast<double>(tets_.size());
   const std::vector<double> weights = this->weights(forces);
   const double energy = assemble(forces, weights);
-  if (!std::isfinite(energy) || !factor_.factor(hessian_)) return false;
+  if (!std::isfinite(energy) || !factor_.factor(hessian_.matrix)) return false;
   VertexMatrix direction = VertexMatrix::Zero(3 * free_, 3);
   direction.col(0) = -gradient_;
   if (!factor_.solve(direction, direction) || !direction.col(0).allFinite()) return false;

@@ -46,8 +46,7 @@ struct PatchForces {
 };
 
 // Newton steps on one patch, on a copy of its part of the mesh: patches that share no tet may be stepped by
-// several threads at the same time. (Many members: what stays the same from step to step.) The work inside a
-// step is shared out as well; same bytes on any number.
+// several threads at the same time. The work inside a step is shared out as well; same bytes on any number.
 class PatchNewton {
  public:
   // target: of the boundary vertices (the first rows); length: per vertex, the unit of distances.
@@ -96,9 +95,12 @@ class PatchNewton {
   std::vector<Eigen::Vector3d> at_;  // positions now
   std::vector<Corners> tets_;
   std::vector<Ring> rings_;
-  // The Hessian's pattern in blocks of 3 x 3, lower triangle: block_rows_[block_start_[c] ...] of column c.
-  std::vector<Index> block_start_, block_rows_;
-  SymmetricMatrix hessian_;
+  // In blocks of 3 x 3, lower triangle: those of column c have the rows block_rows[block_start[c] ...].
+  struct Hessian {
+    std::vector<Index> block_start, block_rows;
+    SymmetricMatrix matrix;
+  };
+  Hessian hessian_;
   Eigen::VectorXd gradient_;
   SparseCholesky factor_;
   bool analyzed_ = false;

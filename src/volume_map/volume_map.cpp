@@ -37,7 +37,7 @@ double surface_angle(const Vector3d& a, const Vector3d& b, const Vector3d& c, co
   return angle > 0 ? angle : angle + 2 * M_PI;
 }
 
-// One map on its way. Its many members are what all rounds share.
+// One map on its way.
 class Mapper {
  public:
   Mapper(const TetMesh& mesh, const VertexMatrix& target, std::span<const WoundEdge> wound,
@@ -76,21 +76,21 @@ class Mapper {
       if (other == opposite.end()) continue;
       const auto k = turns.find({a, b});
       const auto at = [&](Index v) { return Vector3d(target_.row(v)); };
-      goals_.push_back({a,
-                        b,
-                        surface_angle(at(a), at(b), at(c), at(other->second)) +
-                            2 * M_PI * (k == turns.end() ? 0 : k->second),
-                        {}});
+      branch_.goals.push_back({a,
+                               b,
+                               surface_angle(at(a), at(b), at(c), at(other->second)) +
+                                   2 * M_PI * (k == turns.end() ? 0 : k->second),
+                               {}});
     }
-    wound_ = !wound.empty();
+    branch_.wound = !wound.empty();
     // Rings on the surface around the wound edges.
-    near_wound_.assign(nb_, kBranchRings + 1);
-    for (const WoundEdge& w : wound) near_wound_[w.a] = near_wound_[w.b] = 0;
+    branch_.rings.assign(nb_, kBranchRings + 1);
+    for (const WoundEdge& w : wound) branch_.rings[w.a] = branch_.rings[w.b] = 0;
     for (int ring = 0; ring < kBranchRings; ++ring)
       for (const auto& f : surface_)
         for (int k = 0; k < 3; ++k)
-          if (near_wound_[f[k]] == ring)
-            for (const Index v : f) near_wound_[v] = std::min(near_wound_[v], ring + 1);
+          if (branch_.rings[f[k]] == ring)
+            for (const Index v : f) branch_.rings[v] = std::min(branch_.rings[v], ring + 1);
   }
 
   Result<VolumeMapResult> run() {
@@ -256,105 +256,143 @@ class Mapper {
     return any;
   }
 
-  // One function: the two stages, for the branch and for the distance, take the same rounds.
+  // The pull on its way: first for the branch of the angles, then for the distance.
+  enum class PullStage { branch, distance };
+  struct Pull {
+    std::vector<Index> list;  // vertices that are not at their places
+    PullStage stage;
+    double force;
+    int branch_rounds = 0, stalled = 0, refinements = 0;
+    double last_distances = HUGE_VAL;
+  };
+
+  // Around all that is to move, as wide as they may be.
+  Result<std::vector<Patch>> patches_of(const Pull& pull, const std::vector<char>& may_move) const {
+    std::vector<Index> seeds = pull.list;
+    if (pull.stage == PullStage::branch)
+      seeds.erase(std::remove_if(seeds.begin(), seeds.end(),
+                                 [&](Index v) { return branch_.rings[v] > kBranchRings; }),
+                  seeds.end());
+    std::vector<Patch> patches;
+    for (int rings = options_.interior_rings; rings > 0; --rings) {
+      patches = grow_patches(mesh_, nb_, seeds, rings, 0, may_move);
+      if (std::none_of(patches.begin(), patches.end(),
+                       [](const Patch& patch) { return patch.free.size() > kLargestPatch; }))
+        break;
+      if (rings == 1)
+        return Error{ErrorCode::unsolved,
+                     std::to_string(pull.list.size()) +
+                         " boundary vertices would have to move at once, too many for the volume map."};
+    }
+    return patches;
+  }
+
+  // Goals at boundary edges with an end that is away; for the branch those around wound edges count. Returns
+  // the largest error of one.
+  double set_angle_goals(std::vector<Patch>& patches, const std::vector<char>& may_move,
+                         PullStage stage) const {
+    double error = 0;
+    for (Patch& patch : patches) {
+      for (const AngleGoal& g : branch_.goals) {
+        if (stage == PullStage::branch && std::min(branch_.rings[g.a], branch_.rings[g.b]) > kGoalRings)
+          continue;
+        if ((may_move[g.a] && std::binary_search(patch.free.begin(), patch.free.end(), g.a)) ||
+            (may_move[g.b] && std::binary_search(patch.free.begin(), patch.free.end(), g.b)))
+          patch.goals.push_back({g.a, g.b, g.angle, edge_ring(mesh_, g.a, g.b)});
+      }
+      error = std::max(error, angle_error(patch.goals));
+    }
+    return error;
+  }
+
+  void add_round(const VolumeMapRound& record, int round, std::size_t patches) {
+    result_.rounds.push_back(record);
+    context_.report("volume_map", double(round) / options_.rounds,
+                    std::to_string(record.away) + " vertices to pull");
+    context_.note(LogLevel::debug,
+                  "volume map: " + std::to_string(record.away) + " away by " +
+                      std::to_string(record.farthest) + ", pull " + std::to_string(record.pull) + ", angle " +
+                      std::to_string(record.angle_error) + ", patches " + std::to_string(patches) + ", " +
+                      std::to_string(record.seconds) + " s");
+  }
+
+  // After a round for the branch: whether that was the last one, and refinement now and then where angles are
+  // not driven to the right one.
+  void after_branch_round(LocalOperations& work, Pull& pull, const std::vector<char>& may_move,
+                          double error) {
+    ++pull.branch_rounds;
+    if (error < kBranchReached || pull.branch_rounds >= options_.branch_rounds)
+      pull.stage = PullStage::distance;
+    if (pull.branch_rounds % 4 != 0 || pull.branch_rounds > kBranchRefinements * 4) return;
+    for (const AngleGoal& g : branch_.goals)
+      if ((may_move[g.a] || may_move[g.b]) &&
+          std::min(branch_.rings[g.a], branch_.rings[g.b]) <= kGoalRings &&
+          std::fabs(interior_angle(mesh_, g.a, g.b) - g.angle) > kBranchReached) {
+        const Edges which = pull.branch_rounds % 8 == 0 ? Edges::radial : Edges::opposite;
+        result_.refinements += refine(work, g.a, which);
+        result_.refinements += refine(work, g.b, which);
+      }
+  }
+
+  // After a round for the distance: the force of the next one. False: the pull is locked.
+  bool choose_force(LocalOperations& work, Pull& pull) {
+    double distances = 0;
+    for (const Index v : pull.list) distances += distance(v);
+    const bool fast = distances < 0.85 * pull.last_distances,
+               progress = distances < 0.98 * pull.last_distances;
+    pull.last_distances = distances;
+    pull.stalled = progress ? 0 : pull.stalled + 1;
+    // The force grows when what it can do is done.
+    if (!fast && pull.force < options_.largest_pull) pull.force *= options_.pull_growth;
+    if (pull.stalled < 4) return true;
+    if (pull.refinements >= options_.refinements)
+      return options_.largest_move > 0 && pull.force < options_.largest_pull;
+    for (const Index v : pull.list)
+      result_.refinements += refine(work, v, pull.refinements % 2 == 1 ? Edges::radial : Edges::opposite);
+    ++pull.refinements;
+    pull.stalled = 0;
+    pull.force = std::max(options_.first_pull, pull.force / 200);
+    return true;
+  }
+
   Status pull() {
-    std::vector<Index> list = away();
-    result_.away_at_start = static_cast<Index>(list.size());
+    Pull pull{away(), branch_.wound ? PullStage::branch : PullStage::distance, options_.first_pull};
+    result_.away_at_start = static_cast<Index>(pull.list.size());
     LocalOperations work(mesh_);
     work.allow_fixed_chords(false);
-    double force = options_.first_pull;
-    int stalled = 0, refinements = 0;
-    bool branch_stage = wound_;
-    int branch_rounds = 0;
-    double last_distances = HUGE_VAL;
-    for (int round = 0; !list.empty(); ++round) {
+    for (int round = 0; !pull.list.empty(); ++round) {
       if (auto error = context_.stop()) return *error;
-      if (round >= options_.rounds || spent()) return locked(list);
+      if (round >= options_.rounds || spent()) return locked(pull.list);
       const auto round_begin = RunContext::Clock::now();
       std::vector<char> may_move(nb_, 0);
-      for (const Index v : list) may_move[v] = 1;
-      std::vector<Index> seeds = list;
-      if (branch_stage)
-        seeds.erase(std::remove_if(seeds.begin(), seeds.end(),
-                                   [&](Index v) { return near_wound_[v] > kBranchRings; }),
-                    seeds.end());
-      std::vector<Patch> patches;
-      for (int rings = options_.interior_rings; rings > 0; --rings) {
-        patches = grow_patches(mesh_, nb_, seeds, rings, 0, may_move);
-        if (std::none_of(patches.begin(), patches.end(),
-                         [](const Patch& patch) { return patch.free.size() > kLargestPatch; }))
-          break;
-        if (rings == 1)
-          return Error{ErrorCode::unsolved, std::to_string(list.size()) +
-                                                " boundary vertices would have to move at once, too many "
-                                                "for the volume map."};
-      }
-      double error = 0;
-      if (options_.largest_move > 0 && before_locking_.vertex_count() == 0 && force > kSpreadPull)
-        before_locking_ = mesh_;
-      // Angles at boundary edges with an end that is away; for the branch those around wound edges count.
-      if (wound_)
-        for (Patch& patch : patches) {
-          for (const AngleGoal& g : goals_) {
-            if (branch_stage && std::min(near_wound_[g.a], near_wound_[g.b]) > kGoalRings) continue;
-            if ((may_move[g.a] && std::binary_search(patch.free.begin(), patch.free.end(), g.a)) ||
-                (may_move[g.b] && std::binary_search(patch.free.begin(), patch.free.end(), g.b)))
-              patch.goals.push_back({g.a, g.b, g.angle, edge_ring(mesh_, g.a, g.b)});
-          }
-          error = std::max(error, angle_error(patch.goals));
-        }
+      for (const Index v : pull.list) may_move[v] = 1;
+      Result<std::vector<Patch>> grown = patches_of(pull, may_move);
+      if (!grown) return grown.error();
+      std::vector<Patch>& patches = grown.value();
+      if (options_.largest_move > 0 && kept_.before_locking.vertex_count() == 0 && pull.force > kSpreadPull)
+        kept_.before_locking = mesh_;
+      const bool for_branch = pull.stage == PullStage::branch;
+      VolumeMapRound record;
+      if (branch_.wound) record.angle_error = set_angle_goals(patches, may_move, pull.stage);
+      record.pull = for_branch ? options_.branch_pull : pull.force;
       PatchForces forces;
-      forces.pull = branch_stage ? options_.branch_pull : force;
-      forces.angle_weight = !wound_ ? 0 : branch_stage ? options_.angle_weight : std::max(1.0, force);
+      forces.pull = record.pull;
+      forces.angle_weight = !branch_.wound ? 0
+                            : for_branch   ? options_.angle_weight
+                                           : std::max(1.0, pull.force);
       move(work, patches, forces);
       if (auto stop = context_.stop()) return *stop;
       for (const Patch& patch : patches) remesh(work, patch);
-      VolumeMapRound record;
-      if (!branch_stage) snap(work, list, refinements > 0 ? HUGE_VAL : kSnapReach);
-      record.away = static_cast<Index>(list.size());
-      record.farthest = list.empty() ? 0 : distance(farthest(list));
-      record.pull = branch_stage ? options_.branch_pull : force;
-      record.angle_error = error;
+      if (!for_branch) snap(work, pull.list, pull.refinements > 0 ? HUGE_VAL : kSnapReach);
+      record.away = static_cast<Index>(pull.list.size());
+      record.farthest = pull.list.empty() ? 0 : distance(farthest(pull.list));
       record.tets = mesh_.tet_count();
       record.seconds = seconds_since(round_begin);
-      result_.rounds.push_back(record);
-      context_.report("volume_map", double(round) / options_.rounds,
-                      std::to_string(list.size()) + " vertices to pull");
-      context_.note(LogLevel::debug,
-                    "volume map: " + std::to_string(record.away) + " away by " +
-                        std::to_string(record.farthest) + ", pull " + std::to_string(record.pull) +
-                        ", angle " + std::to_string(record.angle_error) + ", patches " +
-                        std::to_string(patches.size()) + ", " + std::to_string(record.seconds) + " s");
-      if (branch_stage) {
-        ++branch_rounds;
-        if (error < kBranchReached || branch_rounds >= options_.branch_rounds) branch_stage = false;
-        if (branch_rounds % 4 == 0 && branch_rounds <= kBranchRefinements * 4)
-          for (const AngleGoal& g : goals_)
-            if ((may_move[g.a] || may_move[g.b]) &&
-                std::min(near_wound_[g.a], near_wound_[g.b]) <= kGoalRings &&
-                std::fabs(interior_angle(mesh_, g.a, g.b) - g.angle) > kBranchReached) {
-              const Edges which = branch_rounds % 8 == 0 ? Edges::radial : Edges::opposite;
-              result_.refinements += refine(work, g.a, which);
-              result_.refinements += refine(work, g.b, which);
-            }
-        continue;
-      }
-      double distances = 0;
-      for (const Index v : list) distances += distance(v);
-      const bool fast = distances < 0.85 * last_distances, progress = distances < 0.98 * last_distances;
-      last_distances = distances;
-      stalled = progress ? 0 : stalled + 1;
-      // The force grows when what it can do is done.
-      if (!fast && force < options_.largest_pull) force *= options_.pull_growth;
-      if (stalled >= 4 && refinements >= options_.refinements) {
-        if (options_.largest_move == 0 || force >= options_.largest_pull) return locked(list);
-      } else if (stalled >= 4) {
-        for (const Index v : list)
-          result_.refinements += refine(work, v, refinements % 2 == 1 ? Edges::radial : Edges::opposite);
-        ++refinements;
-        stalled = 0;
-        force = std::max(options_.first_pull, force / 200);
-      }
+      add_round(record, round, patches.size());
+      if (for_branch)
+        after_branch_round(work, pull, may_move, record.angle_error);
+      else if (!choose_force(work, pull))
+        return locked(pull.list);
     }
     return success();
   }
@@ -392,8 +430,8 @@ class Mapper {
     double far = farthest_move();
     for (const bool early : {true, false}) {
       if (far <= options_.largest_move) break;
-      if (early && before_locking_.vertex_count() == 0) continue;
-      mesh_ = early ? before_locking_ : best;
+      if (early && kept_.before_locking.vertex_count() == 0) continue;
+      mesh_ = early ? kept_.before_locking : best;
       bool hopeless = false;
       if (Status s = spread(hopeless); !s) return s;
       bring_home();
@@ -404,8 +442,8 @@ class Mapper {
       }
       if (hopeless) break;
     }
-    if (nearest_.vertex_count() > 0 && far > options_.largest_move) {
-      mesh_ = std::move(nearest_);
+    if (kept_.nearest.vertex_count() > 0 && far > options_.largest_move) {
+      mesh_ = std::move(kept_.nearest);
       if (better_than(count, far)) return success();
     }
     mesh_ = std::move(best);
@@ -422,7 +460,7 @@ class Mapper {
     if (near_enough_)
       bring_home();
     else
-      nearest_ = std::move(mesh_), mesh_ = start;
+      kept_.nearest = std::move(mesh_), mesh_ = start;
     return success();
   }
 
@@ -489,6 +527,18 @@ class Mapper {
     return best;
   }
 
+  // Edges that must be wound, and the angles of all that says so.
+  struct Branch {
+    bool wound = false;
+    std::vector<AngleGoal> goals;
+    std::vector<int> rings;  // per surface vertex: from a wound edge, kBranchRings + 1 beyond
+  };
+  // States that may be the better end.
+  struct Kept {
+    TetComplex before_locking;  // of the pull, with healthy tets
+    TetComplex nearest;         // what spreading has made of the start, where that is still too far
+  };
+
   const VertexMatrix& target_;
   const VolumeMapOptions& options_;
   const RunContext& context_;
@@ -497,13 +547,10 @@ class Mapper {
   TetComplex mesh_;
   std::vector<double> length_;  // per vertex: mean edge length of the embedding
   std::vector<std::array<Index, 3>> surface_;
-  std::vector<AngleGoal> goals_;
-  bool wound_ = false;
-  std::vector<int> near_wound_;  // per surface vertex: rings from a wound edge, kBranchRings + 1 beyond
+  Branch branch_;
   VolumeMapResult result_;
-  TetComplex before_locking_;  // a state of the pull with healthy tets
-  TetComplex nearest_;         // what spreading has made of the start, where that is still too far
-  bool near_enough_ = false;   // it is not
+  Kept kept_;
+  bool near_enough_ = false;  // spreading alone has done it
 };
 
 }  // namespace

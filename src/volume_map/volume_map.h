@@ -38,6 +38,7 @@
 
 namespace overtet {
 
+// More than 12 members: flat options, which callers set by name.
 struct VolumeMapOptions {
   int interior_rings = 4;  // free around vertices that are not at their places
   double first_pull = 0.03, pull_growth = 2.5, largest_pull = 1e5;  // relative to the shape energy of a tet

@@ -410,7 +410,7 @@ TEST_F(Cli, WhatIsFreeIsTheMemoryLimitUnlessOneIsGiven) {
   const std::size_t usable = usable_memory_bytes();
   EXPECT_GT(usable, std::size_t{16} << 20);
   EXPECT_LE(usable, static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGESIZE));
-  Terminal terminal(LogLevel::error, true);
+  Terminal terminal(LogLevel::error, Terminal::Talk::errors_only);
   CommonOptions options;
   const std::size_t limit = options.context(terminal).memory_limit_bytes;
   EXPECT_GT(limit, usable / 2);

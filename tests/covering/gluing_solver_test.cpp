@@ -107,7 +107,8 @@ TEST(GluingSolver, FindsWhatBruteForceFinds) {
     const bool want = p.brute_force();
     std::vector<Index> all(p.chosen.size());
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<Index>(i);
-    const SolverAnswer got = GluingSolver(p, all).run(seed % 2 == 0);
+    const SolverAnswer got =
+        GluingSolver(p, all).run(seed % 2 == 0 ? FirstLook::at_all : FirstLook::until_stuck);
     EXPECT_EQ(got, want ? SolverAnswer::found : SolverAnswer::none) << seed;
     (want ? found : none) += 1;
     const bool all_chosen = std::none_of(p.chosen.begin(), p.chosen.end(), [](Index o) { return o < 0; });
@@ -125,7 +126,7 @@ TEST(GluingSolver, GivesUpWhenToldAndLeavesNothingChosen) {
     p.most = 2;
     std::vector<Index> all(p.chosen.size());
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<Index>(i);
-    if (GluingSolver(p, all).run(false) != SolverAnswer::too_long) continue;
+    if (GluingSolver(p, all).run(FirstLook::until_stuck) != SolverAnswer::too_long) continue;
     ++given_up;
     EXPECT_TRUE(std::all_of(p.chosen.begin(), p.chosen.end(), [](Index o) { return o < 0; }));
   }
