@@ -221,7 +221,9 @@ class Mapper {
   Status locked(const std::vector<Index>& list) const {
     const Index v = farthest(list);
     return Error{ErrorCode::unsolved,
-                 std::to_string(list.size()) + " boundary vertices are locked and do not reach their places.",
+                 std::to_string(list.size()) +
+                     " boundary vertices are locked; the farthest from its place is vertex " +
+                     std::to_string(v) + ".",
                  std::array<double, 3>{target_(v, 0), target_(v, 1), target_(v, 2)}};
   }
 
