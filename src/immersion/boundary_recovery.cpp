@@ -13,6 +13,7 @@
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
 #include "kernels/predicates/predicates.h"
+#include "src/immersion/kernel_centre.h"
 #include "src/immersion/tuning.h"
 #include "src/mesh/local_operations.h"
 
@@ -48,6 +49,9 @@ class Clearer {
       reconnect();
       try_all(0);
     }
+    thorough_ = true;
+    for (int round = 0; round < kThoroughRounds && !queue_.empty() && !context_.stop(); ++round) try_all(0);
+    thorough_ = false;
     result_.left = queue_;
     spread();
     if (!std::isfinite(result_.smallest_clearance)) result_.smallest_clearance = 0;
@@ -351,7 +355,8 @@ class Clearer {
     std::vector<std::pair<Index, Index>> crossed;
     for (int step = 0;; ++step) {
       const double a = side(before), b = side(after);
-      if (!(a < -kOffPlane && b > kOffPlane) || step > 1000) return {};
+      const double off = thorough_ ? kBarelyOffPlane : kOffPlane;
+      if (!(a < -off && b > off) || step > 1000) return {};
       crossed.emplace_back(before, after);
       int k = 0;
       while (complex_.tet(tet)[k] != behind) ++k;
@@ -384,7 +389,9 @@ class Clearer {
       if (wall == crossed.end()) break;
       // The star reaches across to another part of the boundary, whose edges stay whole: it is made smaller
       // there.
-      if (round == kShrinkings || !(split_edge(v, wall->first) || split_edge(v, wall->second))) return {};
+      if (round == kShrinkings || !(split_edge(v, wall->first) || split_edge(v, wall->second) ||
+                                    (thorough_ && split_triangle(v, wall->first, wall->second))))
+        return {};
     }
     if (crossed.empty()) return {};
     std::vector<Index> path{p};
@@ -424,6 +431,9 @@ class Clearer {
         path = slit(v, p, n, angle_of(j + 0.5 + shift));
         if (!path.empty()) break;
       }
+      if (thorough_)
+        for (int i = -kMoreSlits; i <= kMoreSlits && path.empty(); ++i)
+          path = slit(v, p, n, angle_of(j + 0.5 + kWidestSlit * i / kMoreSlits));
       if (path.empty()) return false;
       slits.push_back(std::move(path));
     }
@@ -548,6 +558,29 @@ class Clearer {
     return true;
   }
 
+  // Splits an interior triangle at its centroid; false where a part would not be exactly positive.
+  bool split_triangle(Index a, Index b, Index c) {
+    std::vector<Index> ring, sides;
+    complex_.ring(a, b, ring);
+    for (const Index t : ring) {
+      const auto& tet = complex_.tet(t);
+      if (std::find(tet.begin(), tet.end(), c) != tet.end()) sides.push_back(t);
+    }
+    if (sides.size() != 2) return false;
+    const Index m =
+        complex_.add_vertex((complex_.position(a) + complex_.position(b) + complex_.position(c)) / 3);
+    std::vector<TetComplex::Tet> parts;
+    for (const Index t : sides)
+      for (const Index corner : {a, b, c}) {
+        auto tet = complex_.tet(t);
+        std::replace(tet.begin(), tet.end(), corner, m);
+        if (orient3d(at(tet[0]), at(tet[1]), at(tet[2]), at(tet[3])) <= 0) return false;
+        parts.push_back(tet);
+      }
+    complex_.replace(sides, parts);
+    return true;
+  }
+
   // Triangulates a flat ring (counter-clockwise seen from outside) in the plane of an input face, with the
   // best worst triangle; new edges must not exist in the complex yet.
   bool triangulate(const std::vector<Index>& polygon, Index face, const std::vector<Index>& ring,
@@ -646,10 +679,36 @@ class Clearer {
     }
   };
 
-  // A point well inside all half-spaces, close to the centre of the largest ball in them, which must have a
-  // radius of at least `least` of the star's size.
+  // A point well inside all half-spaces, which must keep a distance of at least `least` of the star's size.
   std::optional<Place> find_place(Index v, const std::vector<Triple>& sides, double least,
                                   Search& search) const {
+    std::optional<Place> place = ascend(v, sides, least, search);
+    return place || !thorough_ ? place : find_centre(v, sides);
+  }
+
+  // The centre of the kernel, or as far towards it as doubles go: dearer, but it finds thin kernels, too.
+  std::optional<Place> find_centre(Index v, const std::vector<Triple>& sides) const {
+    std::vector<Wall> walls;
+    for (const Triple& s : sides)
+      walls.push_back({complex_.position(s[0]), complex_.position(s[1]), complex_.position(s[2])});
+    const Vector3d start = complex_.position(v);
+    const std::optional<Vector3d> way = kernel_centre(walls, start);
+    if (!way) return std::nullopt;
+    for (double share = 1; share > kLeastShare; share *= 0.5) {
+      const Vector3d y = start + share * *way;
+      if (!positive(sides, y)) continue;
+      double clearance = std::numeric_limits<double>::infinity();
+      for (const Wall& w : walls) {
+        HalfSpace h;
+        if (half_space(w[0], w[1], w[2], h)) clearance = std::min(clearance, h.normal.dot(y - h.origin));
+      }
+      return Place{y, clearance};
+    }
+    return std::nullopt;
+  }
+
+  // Close to the centre of the largest ball in all half-spaces.
+  std::optional<Place> ascend(Index v, const std::vector<Triple>& sides, double least, Search& search) const {
     search.clear();
     for (const Triple& s : sides) {
       HalfSpace h;
@@ -704,6 +763,7 @@ class Clearer {
   std::vector<Index> star_;
   Search search_;
   double least_clearance_ = 0;
+  bool thorough_ = false;  // dearer means, for the points that are left
   BoundaryPointsResult result_;
 };
 

@@ -71,6 +71,21 @@ constexpr double kWideWedge = 1.9 * 3.14159265358979323846;
 constexpr double kOffPlane = 1e-4;
 // Edges of the star of a point that are halved to make way for one slit.
 constexpr int kShrinkings = 64;
+// Rounds for what is left then, with the kernels' centres and more slits: on both sides of the middle, up to
+// this share of a sector away from it, with corners this close to the plane (sine).
+constexpr int kThoroughRounds = 4, kMoreSlits = 14;
+constexpr double kWidestSlit = 0.3, kBarelyOffPlane = 1e-13;
+// The way to a kernel's centre is halved down to this share where a tet would not be positive.
+constexpr double kLeastShare = 1e-3;
+// --- The centre of a kernel (kernel_centre.cpp), in units of the star's size ---
+
+// A start this far inside needs no first phase; and what opens less than this is closed.
+constexpr double kFarFromWalls = 1e-3, kLeastOpen = 1e-17;
+// Newton steps of one maximisation, the squared decrement that ends it, the share of the way to a wall that
+// one step may take, and the least length of a step.
+constexpr int kNewtonSteps = 60;
+constexpr double kNewtonDecrement = 1e-3, kTowardsWall = 0.95, kLeastNewtonStep = 1e-10;
+
 // Rounds in which the surface's vertices return to their places; one is the rule.
 constexpr int kHomeRounds = 16;
 

@@ -9,6 +9,7 @@
 #include "src/pipeline/component_meshing.h"
 #include "src/pipeline/flow_route.h"
 #include "src/pipeline/locked_patch.h"
+#include "src/pipeline/nearby_surface.h"
 #include "src/pipeline/stage_clock.h"
 #include "src/pipeline/tuning.h"
 
@@ -106,6 +107,9 @@ constexpr std::array kStrategies = {
              mesh_by_parts, Strategy::Failure::of_a_part},
     Strategy{"immersion", [](const MeshingJob& job) { return job.preset == Preset::standard; }, mesh_immersed,
              Strategy::Failure::of_gluing},
+    Strategy{"nearby surface",
+             [](const MeshingJob& job) { return job.preset == Preset::standard && coincides(job); },
+             mesh_by_nearby_surface, Strategy::Failure::of_this_way},
     // What flows until nothing crosses fills each part by itself: of no use where one of them has no mesh.
     Strategy{"flow", [](const MeshingJob& job) { return !job.part_without_mesh; }, mesh_flowed,
              Strategy::Failure::of_this_way}};

@@ -32,6 +32,16 @@ constexpr double kWayBackTime = 0.4, kMapTime = 0.8;
 // Layers around vertices that are locked, which are meshed again; and repairs of what that leaves.
 constexpr int kLockedRings = 3, kSolidRepairs = 20;
 
+// --- The way by a surface nearby (nearby_surface.cpp) ---
+
+// How far vertices move, of the diagonal: first far enough for digits, then near enough for small details.
+// And no further than this share of the shortest edge.
+constexpr double kNudge = 1e-3, kSmallNudge = 1e-4, kNudgeOfEdge = 0.25;
+// Of one pull home: work (src/volume_map/volume_map.h), a few seconds; and pulls in turn, among better tets
+// each.
+constexpr double kHomeWork = 1e8;
+constexpr int kPulls = 3;
+
 // --- The repair route (repair_route.cpp). Moves are relative to the diagonal of the surface's box. ---
 
 // Repairs that follow each other where the next stage finds more to repair.
