@@ -66,8 +66,8 @@ std::optional<Planes> planes_of(const std::vector<Wall>& walls, const Vector3d& 
   return out;
 }
 
-// Maximises weight.z + sum log(slack) from a point inside, where slack = d + M z, by Newton's method. The slacks
-// are carried along and not computed anew from z: near the walls that keeps their digits.
+// Maximises weight.z + sum log(slack) from a point inside, where slack = d + M z, by Newton's method. The
+// slacks are carried along and not computed anew from z: near the walls that keeps their digits.
 class Barrier {
  public:
   // rows: M.
@@ -113,10 +113,15 @@ class Barrier {
 std::optional<Vector3d> inside(const Planes& planes) {
   const Eigen::Index n = planes.distance.size();
   if (planes.distance.minCoeff() > kFarFromWalls) return Vector3d::Zero();
-  Eigen::MatrixXd rows(n, 4);
-  rows << planes.normal, Eigen::VectorXd::Constant(n, -1);
+  // The walls moved out by some of the size may meet far away, where digits end: a box keeps the search near.
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(n + 6, 4);
+  rows.topRows(n) << planes.normal, Eigen::VectorXd::Constant(n, -1);
+  rows.block<3, 3>(n, 0).setIdentity();
+  rows.block<3, 3>(n + 3, 0) = -Eigen::Matrix3d::Identity();
   const double least = planes.distance.minCoeff() - 0.25;
-  Barrier barrier(rows, planes.distance.array() - least);
+  Eigen::VectorXd slack = Eigen::VectorXd::Constant(n + 6, 2);
+  slack.head(n) = planes.distance.array() - least;
+  Barrier barrier(std::move(rows), std::move(slack));
   Eigen::VectorXd weight = Eigen::VectorXd::Zero(4);
   for (weight[3] = static_cast<double>(n); weight[3] < static_cast<double>(n) / kLeastOpen; weight[3] *= 8) {
     for (int i = 0; i < kNewtonSteps; ++i)

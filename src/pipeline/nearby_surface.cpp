@@ -78,8 +78,9 @@ class NearbySurface {
   explicit NearbySurface(const MeshingJob& job) : job_(job) {}
 
   Result<TetMesh> run() {
-    for (const Nudge& nudge : {Nudge{Nudge::Direction::outward, kNudge}, Nudge{Nudge::Direction::random, kNudge},
-                               Nudge{Nudge::Direction::random, kSmallNudge}}) {
+    for (const Nudge& nudge :
+         {Nudge{Nudge::Direction::outward, kNudge}, Nudge{Nudge::Direction::random, kNudge},
+          Nudge{Nudge::Direction::random, kSmallNudge}}) {
       Result<TetMesh> nearby = mesh_of(nudged(job_.surface, nudge));
       if (nearby) nearby = brought_home(std::move(nearby).value());
       if (nearby || ends_run(nearby.error())) return nearby;
@@ -90,16 +91,18 @@ class NearbySurface {
 
  private:
   Result<TetMesh> mesh_of(const Surface& nearby) {
-    return timed_stage("nearby_surface", job_.records, job_.context, [&](StageRecord& record) -> Result<TetMesh> {
-      Result<Diagnosis> d = diagnose(nearby, {}, job_.context);
-      if (!d) return d.error();
-      if (const std::optional<Error> refused = refuse(d.value()))
-        return Error{ErrorCode::unsolved, "A surface close to this one has no mesh: " + refused->message};
-      Result<ImmersionResult> r = immerse(nearby, d.value().pairs, d.value().wound.edges, {}, job_.context);
-      if (!r) return r.error();
-      record.figures = {{"tets", std::int64_t{r.value().mesh.T.rows()}}};
-      return std::move(r.value().mesh);
-    });
+    return timed_stage(
+        "nearby_surface", job_.records, job_.context, [&](StageRecord& record) -> Result<TetMesh> {
+          Result<Diagnosis> d = diagnose(nearby, {}, job_.context);
+          if (!d) return d.error();
+          if (const std::optional<Error> refused = refuse(d.value()))
+            return Error{ErrorCode::unsolved, "A surface close to this one has no mesh: " + refused->message};
+          Result<ImmersionResult> r =
+              immerse(nearby, d.value().pairs, d.value().wound.edges, {}, job_.context);
+          if (!r) return r.error();
+          record.figures = {{"tets", std::int64_t{r.value().mesh.T.rows()}}};
+          return std::move(r.value().mesh);
+        });
   }
 
   // Back to the input, in rounds: among other tets what was locked may be free again.
