@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "kernels/core/tet_tables.h"
+#include "kernels/core/tuning.h"
 #include "src/improve/bad_tets.h"
 #include "src/improve/tuning.h"
 
@@ -24,7 +25,7 @@ class Passes {
         mesh_(work.mesh()),
         options_(options),
         context_(context),
-        smoothing_gain_(care == Care::by_all_means ? kAnyGain : kSmoothingPays),
+        smoothing_gain_(care == Care::by_all_means ? kAnyGain : kPays),
         insertion_gain_(care == Care::by_all_means ? kAnyGain : kInsertionPays),
         target_(std::sin(options.target_degrees * M_PI / 180)),
         insert_below_(std::sin(std::min(options.insert_below_degrees, options.target_degrees) * M_PI / 180)),
@@ -53,7 +54,7 @@ class Passes {
         result_.end = ImproveResult::End::target_reached;
         break;
       }
-      if (bad.front().rank < kThin && extra < kExtraPassesForThin) ++extra;
+      if (bad.front().rank < kThin && extra < kMostRounds) ++extra;
       context_.report("improve", double(pass) / (options_.passes + extra),
                       std::to_string(bad.size()) + " tets below " +
                           std::to_string(int(options_.target_degrees)) + " degrees");
@@ -199,7 +200,7 @@ class Passes {
     const bool idle =
         was_strong && slow && !worst_grows && record.inserted + record.collapsed < record.bad / kIdlePart;
     idle_ = idle ? idle_ + 1 : 0;
-    if (idle_ < kIdlePasses) return true;
+    if (idle_ < kInVain) return true;
     result_.end = ImproveResult::End::no_progress;
     return false;
   }
