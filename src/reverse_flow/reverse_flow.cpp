@@ -11,7 +11,9 @@
 #include "kernels/contact/contact.h"
 #include "kernels/core/assertions.h"
 #include "kernels/core/indices.h"
+#include "kernels/core/tuning.h"
 #include "kernels/laplacian/laplacian.h"
+#include "kernels/laplacian/tuning.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/sparse/cholesky.h"
 #include "src/reverse_flow/tuning.h"
@@ -33,7 +35,7 @@ Eigen::VectorXd mean_edges(const VertexMatrix& W, const TriangleMatrix& F) {
     }
   }
   const double mean = sum.sum() / std::max(1.0, count.sum());
-  return (sum.array() / count.array().max(1.0)).max(kEdgeFloor * mean).matrix();
+  return (sum.array() / count.array().max(1.0)).max(kSmallestShare * mean).matrix();
 }
 
 // The mesh of all faces with a free vertex, with numbers of its own: linear algebra sees only that.
@@ -222,7 +224,7 @@ class Reverse {
 
       VertexMatrix step;
       bool solved = false;
-      for (int tries = 0; tries <= kMoreMassTries && !solved; ++tries) {
+      for (int tries = 0; tries <= kInVain && !solved; ++tries) {
         if (tries > 0) diagonal += std::pow(kMoreMass, tries) * mass;
         solved = system.factor(entries, diagonal) && system.solve(g, step) && step.allFinite();
       }
@@ -261,7 +263,7 @@ class Reverse {
         return false;
       }
       standstill = move > 0 ? 0 : standstill + 1;
-      if (standstill >= kStandstill || (move < o_.still && record.halvings == 0)) break;
+      if (standstill >= kInVain || (move < o_.still && record.halvings == 0)) break;
     }
     return true;
   }
@@ -279,7 +281,7 @@ class Reverse {
     entries.reserve(6 * contacts.size());
     for (const Contact& c : contacts) {
       if (!(c.closest.distance > 0)) continue;
-      const double x = std::max(c.closest.distance / c.dhat, kSmallestRelativeDistance);
+      const double x = std::max(c.closest.distance / c.dhat, kSmallestShare);
       const double slope = o_.kappa * c.h * c.h / c.dhat * barrier_slope(x);
       const double stiffness = o_.kappa * c.h * c.h / (c.dhat * c.dhat) * barrier_curvature(x);
       const Eigen::RowVector3d direction = c.closest.difference.transpose() / c.closest.distance;
@@ -376,7 +378,7 @@ class Reverse {
       const std::vector<ContactMesh::Hit> hits = mesh.check_step(U, P);
       if (hits.empty()) return true;
       ++record.halvings;
-      if (round == kPinRounds || context_.stop()) {
+      if (round == kMostRounds || context_.stop()) {
         P.setZero();
         return true;
       }
