@@ -10,6 +10,7 @@
 
 #include "kernels/core/tet_tables.h"
 #include "kernels/core/triangles.h"
+#include "kernels/core/tuning.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
 #include "kernels/predicates/predicates.h"
@@ -44,7 +45,7 @@ class Clearer {
   BoundaryPointsResult run() {
     result_.smallest_clearance = queue_.empty() ? 0 : std::numeric_limits<double>::infinity();
     for (const double least : kClearances) try_all(least);
-    for (int round = 0; round < kReconnections && !queue_.empty() && !context_.stop(); ++round) {
+    for (int round = 0; round < kSweeps && !queue_.empty() && !context_.stop(); ++round) {
       reconnect();
       try_all(0);
     }
@@ -58,7 +59,7 @@ class Clearer {
     std::vector<Index> left;
     for (Index v = 0; v < static_cast<Index>(surface_.V.rows()); ++v)
       if (complex_.position(v) != Vector3d(surface_.V.row(v))) left.push_back(v);
-    for (int round = 0; round < kHomeRounds && !left.empty(); ++round) {
+    for (int round = 0; round < kMostRounds && !left.empty(); ++round) {
       std::vector<Index> still;
       for (const Index v : left) {
         if (context_.stop()) return left;
@@ -384,7 +385,7 @@ class Clearer {
       if (wall == crossed.end()) break;
       // The star reaches across to another part of the boundary, whose edges stay whole: it is made smaller
       // there.
-      if (round == kShrinkings || !(split_edge(v, wall->first) || split_edge(v, wall->second))) return {};
+      if (round == kMostRounds || !(split_edge(v, wall->first) || split_edge(v, wall->second))) return {};
     }
     if (crossed.empty()) return {};
     std::vector<Index> path{p};
@@ -576,10 +577,9 @@ class Clearer {
           allowed[i * n + j] = !adjacent(i, j) && split_edge(polygon[i], polygon[j]);
         }
     // best[i][j]: the best worst quality of the part from i to j.
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    std::vector<double> best(n * n, -kInfinity);
+    std::vector<double> best(n * n, -HUGE_VAL);
     std::vector<std::size_t> apex(n * n, 0);
-    for (std::size_t i = 0; i + 1 < n; ++i) best[i * n + i + 1] = kInfinity;
+    for (std::size_t i = 0; i + 1 < n; ++i) best[i * n + i + 1] = HUGE_VAL;
     for (std::size_t length = 2; length < n; ++length)
       for (std::size_t i = 0; i + length < n; ++i) {
         const std::size_t j = i + length;
@@ -668,7 +668,7 @@ class Clearer {
     Vector3d x = start, best = start;
     double value = search.measure(x, search.distance), best_value = value;
     double step = 0.25 * size;
-    for (int i = 0; i < 200 && step > std::max(kLeastStep * size, kLeastGain * best_value); ++i) {
+    for (int i = 0; i < 200 && step > std::max(kRoundedLength * size, kPrecise * best_value); ++i) {
       Vector3d direction = Vector3d::Zero();
       for (std::size_t k = 0; k < search.size(); ++k)
         if (const double slack = search.distance[k] - value; slack <= 0.5 * step)
