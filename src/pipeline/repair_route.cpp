@@ -67,7 +67,8 @@ class Repairing {
     const double least = least_relative_move();
     if (auto stop = job_.context.stop()) return *stop;
     if (least > job_.allowed())
-      return with_percent(" Vertices would have to move by at least ", kDown * least, " % of the diagonal.");
+      // Three digits that are printed are never more than it.
+      return with_percent(" Vertices would have to move by at least ", 0.995 * least, " % of the diagonal.");
     bool moved_less = false;              // the nearest
     std::optional<RepairedMesh> nearest;  // of those that went too far
     for (const WayOut& way : kWaysOut) {
@@ -177,7 +178,7 @@ class Repairing {
   Result<std::optional<RepairedMesh>> move_away(const WayOut& way) {
     RepairOptions options = options_of(way, job_.allowed());
     options.place = unglued_;
-    for (int round = 0; round < kRepairs; ++round) {
+    for (int round = 0; round < kRounds; ++round) {
       Result<RepairResult> fixed = smoothed(options);
       if (!fixed) {
         // Not closed, and the like: what the first look said is better. A stop is a stop.

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "src/cdt/tuning.h"
 #include "src/immersion/immersion.h"
 #include "src/pipeline/component_meshing.h"
 #include "src/pipeline/flow_route.h"
