@@ -43,7 +43,8 @@ struct Span3 {
 // Sorts by the whole record. Blocks are counted and moved in their order: the same on any number of threads.
 void radix_sort(Record* records, Index n, RawVector<Record>& scratch) {
   scratch.resize(n);
-  const std::int64_t blocks = (n + kSortGrain - 1) / kSortGrain;
+  const std::int64_t block = 16 * kLightGrain;  // a table of cells is worth so many
+  const std::int64_t blocks = (n + block - 1) / block;
   std::vector<Index> count(static_cast<std::size_t>(blocks) * kCells);
   Record *from = records, *to = scratch.data();
   // Items ascend already where codes are equal, and the sort is stable.
@@ -51,8 +52,8 @@ void radix_sort(Record* records, Index n, RawVector<Record>& scratch) {
     const int shift = kItemBits + kBits * pass;
     const auto digit = [&](Record r) { return static_cast<std::size_t>(r >> shift & (kCells - 1)); };
     std::fill(count.begin(), count.end(), 0);
-    parallel_for(n, kSortGrain, [&](std::int64_t begin, std::int64_t end) {
-      Index* c = count.data() + begin / kSortGrain * kCells;
+    parallel_for(n, block, [&](std::int64_t begin, std::int64_t end) {
+      Index* c = count.data() + begin / block * kCells;
       for (std::int64_t i = begin; i < end; ++i) ++c[digit(from[i])];
     });
     Index sum = 0;
@@ -62,13 +63,13 @@ void radix_sort(Record* records, Index n, RawVector<Record>& scratch) {
         count[static_cast<std::size_t>(b) * kCells + d] = sum;
         sum += here;
       }
-    parallel_for(n, kSortGrain, [&](std::int64_t begin, std::int64_t end) {
-      Index* c = count.data() + begin / kSortGrain * kCells;
+    parallel_for(n, block, [&](std::int64_t begin, std::int64_t end) {
+      Index* c = count.data() + begin / block * kCells;
       for (std::int64_t i = begin; i < end; ++i) to[c[digit(from[i])]++] = from[i];
     });
     std::swap(from, to);
   }
-  parallel_for(n, kSortGrain, [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(n, block, [&](std::int64_t begin, std::int64_t end) {
     std::copy(from + begin, from + end, records + begin);
   });
 }
@@ -119,7 +120,7 @@ struct BoxTree::Builder {
         record[i] = code << kItemBits | static_cast<Record>(item);
       }
     });
-    if (n < kRadixSort)
+    if (n < kLightGrain)
       std::sort(record.begin() + begin, record.begin() + end);
     else
       radix_sort(record.data() + begin, n, scratch);
@@ -184,9 +185,9 @@ void BoxTree::fit(Node& node, const Node* children) const {
 }
 
 void BoxTree::fill_places(Index begin, Index end, const Fill& fill) {
-  FloatBox boxes[kFillBlock];
-  for (Index at = begin; at < end; at += kFillBlock) {
-    const Index n = std::min(kFillBlock, end - at);
+  FloatBox boxes[kAtATime];
+  for (Index at = begin; at < end; at += kAtATime) {
+    const Index n = std::min(kAtATime, end - at);
     fill(item_.data() + at, n, boxes);
     for (int k = 0; k < 3; ++k)
       for (Index i = 0; i < n; ++i) {

@@ -57,9 +57,9 @@ class FlatVertices {
 
   bool is_flat(Index v) const {
     const int n = static_cast<int>(start_[v + 1] - start_[v]);
-    if (n < 3 || n > kMostSectors) return false;
+    if (n < 3 || n > kAtATime) return false;
     const Sector* ring = ring_.data() + start_[v];
-    double x[kMostSectors], y[kMostSectors], z[kMostSectors], size = 0;  // of `next`, seen from v
+    double x[kAtATime], y[kAtATime], z[kAtATime], size = 0;  // of `next`, seen from v
     const double* at = points_ + 3 * std::int64_t{v};
     for (int i = 0; i < n; ++i) {
       const double* p = points_ + 3 * std::int64_t{ring[i].next};
@@ -70,7 +70,7 @@ class FlatVertices {
     }
     if (!(size > 1e-40 && size < 1e60)) return false;  // so that nothing below leaves the range of doubles
     // In closed rings every `after` is the `next` of one other face.
-    int following[kMostSectors];
+    int following[kAtATime];
     std::uint32_t seen = 0;
     for (int i = 0; i < n; ++i) {
       std::uint32_t found = 0;
@@ -79,7 +79,7 @@ class FlatVertices {
       seen |= found;
       following[i] = __builtin_ctz(found);
     }
-    double nx[kMostSectors], ny[kMostSectors], nz[kMostSectors], sx = 0, sy = 0, sz = 0;
+    double nx[kAtATime], ny[kAtATime], nz[kAtATime], sx = 0, sy = 0, sz = 0;
     for (int i = 0; i < n; ++i) {
       const int j = following[i];
       sx += nx[i] = y[i] * z[j] - z[i] * y[j];
@@ -105,7 +105,7 @@ class FlatVertices {
   // -1 when a point is too close to the line to tell.
   static int turns(int n, const int* following, const double* y, const double* z, double sy, double sz,
                    double size) {
-    double side[kMostSectors], nearest = HUGE_VAL;
+    double side[kAtATime], nearest = HUGE_VAL;
     for (int i = 0; i < n; ++i) {
       side[i] = sz * y[i] - sy * z[i];
       nearest = std::min(nearest, std::fabs(side[i]));

@@ -10,7 +10,7 @@ namespace overtet {
 namespace {
 
 struct alignas(64) Counters {
-  std::atomic<std::int64_t> value[kCounts] = {};  // written by one thread only
+  std::atomic<std::int64_t> value[static_cast<std::size_t>(Count::end)] = {};  // written by one thread only
 };
 
 // Counters are never given back, only passed on to threads that start later.

@@ -12,8 +12,8 @@ enum class Count {
   contacts,           // found by the contact search
   factorisations,     // sparse Cholesky
   factor_nonzeros,    // entries of these factors, summed
+  end                 // how many there are
 };
-inline constexpr int kCounts = 5;
 
 // Costs a nanosecond or two; every thread has its own counters.
 void count(Count what, std::int64_t n = 1);

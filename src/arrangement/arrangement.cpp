@@ -14,6 +14,7 @@
 
 #include "kernels/bvh/self_intersections.h"
 #include "kernels/core/assertions.h"
+#include "kernels/core/tuning.h"
 #include "kernels/parallel/grouping.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
@@ -264,7 +265,7 @@ class Arranger {
     const bool merged = merge_input_positions(near);
     merge();
     Index last = 0;
-    for (int round = 0; round < kTolerantRounds; ++round) {
+    for (int round = 0; round < kMostRounds; ++round) {
       const CutIf when = round == 0 && !merged ? CutIf::touching : CutIf::anything;
       Result<ToleranceRound> done = cut_with_tolerance(points_, pieces_, near, when, context);
       if (!done) return done.error();
@@ -276,7 +277,9 @@ class Arranger {
         if (crossing.empty()) return collect_tolerant(round + 1);
         if (auto error = Cutter(points_, pieces_).run(crossing, context)) return *error;
       }
-      if (round >= kSettlingRounds && cut > last) break;
+      // Two or three rounds are the rule. Then each must cut fewer pieces than the one before, or features of
+      // the tolerance's own size breed ever more of them.
+      if (round > kInVain && cut > last) break;
       last = cut;
       snap(near, SnapAt::all_pieces);
       merge();
@@ -516,7 +519,7 @@ class Arranger {
       const Eigen::Vector3d d = (ends[1] - ends[0]).normalized();
       return std::all_of(corners.begin(), corners.end(), [&](Index v) {
         const Eigen::Vector3d r = points_[v] - ends[0];
-        return (r - d * d.dot(r)).norm() < kOnEdge * largest_;
+        return (r - d * d.dot(r)).norm() < std::ldexp(largest_, kDistances[1]);
       });
     };
     for (std::size_t i = 0; i < sheets.size(); ++i)

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "kernels/core/tuning.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
 #include "kernels/predicates/predicates.h"
 #include "src/arrangement/tuning.h"
 #include "src/exact/in_plane.h"
+#include "src/exact/tuning.h"
 
 namespace overtet {
 
@@ -215,7 +217,7 @@ IntersectionGraph::Cuts IntersectionGraph::find_cuts(const Rays& rays, const Seg
     if (cut.exact) return;
     cut.exact = rays.cut(a, b, cut.by);
     cut.near = cut.exact->get_d();
-    cut.error = kPlaceRounding;
+    cut.error = kSure;
   };
   for (const Index h : common_partners(s.faces.first, s.faces.second)) {
     const int sa = rays.side(a, h), sb = rays.side(b, h);
@@ -238,8 +240,8 @@ IntersectionGraph::Cuts IntersectionGraph::find_cuts(const Rays& rays, const Seg
     const double x = rays.height(a, h, error_a), y = rays.height(b, h, error_b);
     const double span = std::fabs(x - y) - error_a - error_b;
     cut.near = x / (x - y);
-    cut.error = span > 0 ? kPlaceError * (error_a + error_b) / span + kPlaceRounding : HUGE_VAL;
-    if (!(cut.error < kToldApart)) refine(cut);
+    cut.error = span > 0 ? kPlaceError * (error_a + error_b) / span + kSure : HUGE_VAL;
+    if (!(cut.error < kRounding)) refine(cut);
   }
   // The order of exact arithmetic; the doubles decide wherever they are far enough apart.
   const auto compare = [&](Cut& x, Cut& y) {
@@ -291,7 +293,7 @@ void IntersectionGraph::cut_in_plane(const Rays& rays, const Segment& s, Index t
     cut.plain = !border;
     if (border) cut.faces = {third};
     cut.near = t.get_d();
-    cut.error = kPlaceRounding;
+    cut.error = kSure;
     cut.exact = std::move(t);
   }
 }

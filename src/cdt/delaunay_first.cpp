@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "kernels/core/tet_tables.h"
+#include "kernels/core/tuning.h"
 #include "kernels/core/union_find.h"
 #include "kernels/delaunay/cavity.h"
 #include "kernels/delaunay/tuning.h"
@@ -35,7 +36,7 @@ class DelaunayFirst {
     source_.resize(facets_.size());
     std::iota(source_.begin(), source_.end(), 0);
     cavity_of_.assign(tet_.size(), -1);
-    for (int round = 0; round < kCavityRounds && !missing_.empty(); ++round) {
+    for (int round = 0; round < kRings && !missing_.empty(); ++round) {
       match_.find_crossed_tets();
       make_cavities(round);
       fill_cavities(round);
@@ -149,7 +150,7 @@ class DelaunayFirst {
   }
 
   bool fill_whole(Cavity& cavity, CavityFiller& filler) const {
-    if (cavity.tets.size() > kLargestFacetCavity) return false;
+    if (cavity.tets.size() > kMostTetsFilled) return false;
     std::vector<Wall> walls;
     find_walls(cavity, walls);
     std::vector<Triple> faces;
@@ -371,7 +372,7 @@ class DelaunayFirst {
 std::optional<Error> DelaunayFirst::fill_the_rest() {
   if (missing_.empty()) return std::nullopt;
   match_.find_crossed_tets();
-  make_cavities(kCavityRounds - 1);
+  make_cavities(kRings - 1);
   std::vector<Index> left;
   std::vector<std::int64_t> before{0};  // facets of all cavities before each
   std::vector<Wall> walls;
@@ -382,7 +383,7 @@ std::optional<Error> DelaunayFirst::fill_the_rest() {
   }
   if (static_cast<double>(before.back()) > options_.most_left * static_cast<double>(plc_.F.rows()))
     return unsolved("Most facets are not faces of the Delaunay tets.");
-  const std::int64_t count = std::clamp<std::int64_t>(before.back() / kFacetsPerPiece, 1, kMostPieces);
+  const std::int64_t count = std::clamp<std::int64_t>(before.back() / kLarge, 1, kMostPieces);
   std::vector<std::vector<Index>> lots(count);
   for (std::size_t i = 0; i < left.size(); ++i)
     lots[std::min(count - 1, before[i] * count / before.back())].push_back(left[i]);

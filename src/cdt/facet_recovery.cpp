@@ -8,6 +8,8 @@
 #include <random>
 #include <utility>
 
+#include "kernels/core/tuning.h"
+#include "kernels/delaunay/tuning.h"
 #include "src/cdt/delaunay_first.h"
 #include "src/cdt/delaunay_match.h"
 #include "src/cdt/split_edges.h"
@@ -17,7 +19,7 @@ namespace overtet {
 
 Attempts::Attempts(const TetgenOptions& options) : facets_(kMostFacets * options.patience) {}
 
-bool Attempts::another_order() const { return left() && endless_ < kMostEndless; }
+bool Attempts::another_order() const { return left() && endless_ < kInVain; }
 
 Result<TetgenResult> Attempts::count(Eigen::Index facets, Result<TetgenResult> result) {
   facets_ -= static_cast<double>(facets);
@@ -25,7 +27,7 @@ Result<TetgenResult> Attempts::count(Eigen::Index facets, Result<TetgenResult> r
   return result;
 }
 
-void Attempts::other_facets() { endless_ = std::min(endless_, kMostEndless - 1); }
+void Attempts::other_facets() { endless_ = std::min(endless_, kInVain - 1); }
 
 namespace {
 
@@ -106,21 +108,16 @@ Result<TetgenResult> shuffled(const Plc& plc, const TetgenOptions& options, cons
 
 Result<TetgenResult> tetrahedralize_split(const Plc& plc, const TetgenOptions& options,
                                           const RunContext& context, Attempts& attempts) {
-  Plc now = plc;
-  std::vector<Index> source(plc.F.rows());
-  std::iota(source.begin(), source.end(), 0);
-  for (int round = 0; round < kSplits && attempts.left(); ++round) {
-    std::optional<SplitPlc> split = split_missing_edges(now, context);
+  if (attempts.left()) {
+    const std::optional<SplitPlc> split = split_missing_edges(plc, context);
     if (auto stop = context.stop()) return *stop;
-    if (!split) break;
-    now = std::move(split->plc);
-    for (Index& f : split->source) f = source[f];
-    source = std::move(split->source);
-    attempts.other_facets();
-    Result<TetgenResult> result = shuffled(now, options, context, attempts);
-    if (result)
-      for (Index& f : result.value().facet_sources) f = source[f];
-    if (settled(result)) return result;
+    if (split) {
+      attempts.other_facets();
+      Result<TetgenResult> result = shuffled(split->plc, options, context, attempts);
+      if (result)
+        for (Index& f : result.value().facet_sources) f = split->source[f];
+      if (settled(result)) return result;
+    }
   }
   return Error{ErrorCode::unsolved, "TetGen also failed with edges cut in half."};
 }
@@ -166,7 +163,7 @@ Result<TetgenResult> delaunay_first(Recovery& r) {
 
 Result<TetgenResult> in_the_given_order(Recovery& r) {
   TetgenOptions quick = r.without_points();
-  quick.largest_star = kLargestFlip;
+  quick.largest_star = kMostTetsFilled;  // more than flips need to take apart in nearly all cases
   return refined(r, r.attempts.count(r.plc.F.rows(), tetrahedralize(r.plc, quick, r.context)));
 }
 
@@ -193,7 +190,7 @@ struct Means {
   Result<TetgenResult> (*run)(Recovery& recovery);
 };
 // In the order in which they are tried, until one settles it. The one that always applies says why not.
-constexpr std::array kMeans = {
+const std::array all_means = {
     Means{[](const Recovery& r) { return r.may_be_delaunay() && r.plc.F.rows() >= kLarge; }, delaunay_first},
     Means{nullptr, in_the_given_order},
     Means{[](const Recovery& r) { return r.options.quality; }, in_other_orders},
@@ -203,7 +200,7 @@ constexpr std::array kMeans = {
 
 Result<TetgenResult> by_all_means(Recovery recovery) {
   Result<TetgenResult> failure = too_many();
-  for (const Means& means : kMeans) {
+  for (const Means& means : all_means) {
     const bool always = means.applies == nullptr;
     if (!always && !means.applies(recovery)) continue;
     Result<TetgenResult> now = means.run(recovery);
@@ -218,7 +215,7 @@ Result<TetgenResult> by_all_means(Recovery recovery) {
 Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptions& options,
                                                const RunContext& context, DelaunayBuilder begun) {
   TetgenOptions some = options;
-  some.patience = std::min(options.patience, kFirstPatience);
+  some.patience = std::min(options.patience, kShortPatience);
   Attempts attempts(options);
   Result<TetgenResult> first = by_all_means({plc, some, context, attempts, std::move(begun)});
   if (settled(first) || !attempts.any_endless() || !(some.patience < options.patience)) return first;

@@ -19,6 +19,7 @@
 #include <string>
 
 #include "kernels/core/triangles.h"
+#include "kernels/core/tuning.h"
 #include "src/cdt/tetgen_helper.h"
 #include "src/cdt/tetgen_wire.h"
 #include "src/cdt/tuning.h"
@@ -104,7 +105,7 @@ class Child {
     while (bytes > 0) {
       if (auto error = context.stop()) return *error;
       pollfd p{socket_, POLLOUT, 0};
-      if (poll(&p, 1, kPollMilliseconds) <= 0) continue;
+      if (poll(&p, 1, kLookPeriod.count()) <= 0) continue;
       const ssize_t put =
           ::send(socket_, at, std::min<std::size_t>(bytes, 1 << 20), MSG_NOSIGNAL | MSG_DONTWAIT);
       if (put < 0 && (errno == EAGAIN || errno == EINTR)) continue;
@@ -120,7 +121,7 @@ class Child {
     while (bytes > 0) {
       if (auto error = context.stop()) return *error;
       pollfd p{socket_, POLLIN, 0};
-      if (poll(&p, 1, kPollMilliseconds) <= 0) continue;
+      if (poll(&p, 1, kLookPeriod.count()) <= 0) continue;
       const ssize_t got = recv(socket_, at, std::min<std::size_t>(bytes, 1 << 20), MSG_DONTWAIT);
       if (got < 0 && (errno == EAGAIN || errno == EINTR)) continue;
       if (got <= 0) return false;

@@ -188,8 +188,7 @@ void run() {
 
   namespace watch = overtet::predicate_watch;
   watch::begin(request.most_predicates,
-               overtet::kIdleSeconds + static_cast<int>(request.facets / overtet::kFacetsPerIdleSecond),
-               give_up);
+               overtet::kIdleSeconds + static_cast<int>(request.facets / overtet::kLarge), give_up);
   Reply reply;
   try {
     tetrahedralize(&behaviour, &in, &out, nullptr, nullptr);

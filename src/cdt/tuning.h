@@ -8,15 +8,13 @@ namespace overtet {
 
 // --- TetGen (tetgen.cpp, tetgen_child.cpp) ---
 
-// Milliseconds that one wait for the child may take before cancellation and deadline are looked at again.
-constexpr int kPollMilliseconds = 20;
 // At needles, refinement for quality can go on for ever; natural inputs need about one added point a vertex.
 constexpr std::int64_t kMostPointsPerVertex = 4;
 // In some orders of points TetGen's flips never end; in another one, or in halves, they do. It usually calls
 // some hundred predicates a facet, and up to 9000 among needles: 5 million are a second.
 constexpr double kMostPredicates = 3e7, kMostPredicatesPerFacet = 3e4;
-// Without a predicate, only lists are gone through: at most some microseconds a facet.
-constexpr int kIdleSeconds = 10, kFacetsPerIdleSecond = 10'000;
+// Without a predicate, only lists are gone through: seconds, and one more for every kLarge facets.
+constexpr int kIdleSeconds = 10;
 
 // --- Attempts (facet_recovery.cpp) ---
 
@@ -25,37 +23,28 @@ constexpr int kOrders = 6;
 // So many facets TetGen is given in all attempts at one mesh, times the patience: all attempts there are for
 // most, a few for large ones, where each takes long and other orders seldom help.
 constexpr double kMostFacets = 3e6;
-// Once so many have not come to an end, others seldom do.
-constexpr int kMostEndless = 3;
-// Part of the patience for the first time round: what leads anywhere takes little.
-constexpr double kFirstPatience = 0.35;
-// So often edges are cut in half where TetGen fails with whole ones: the first time has always been enough.
-constexpr int kSplits = 3;
-// From so many facets on, Delaunay tets first are faster; from so many on, it pays to begin with those before
-// all points are known: tets in another order are another problem for TetGen where it works in parts, and for
-// the quality pass.
+// Part of the patience for the first time round, as what leads anywhere takes little; and for what another
+// route or no mesh at all can stand in for.
+constexpr double kShortPatience = 0.3;
+// From so many facets on, Delaunay tets first are faster, and TetGen's part of them is shared out in pieces,
+// which can run at the same time, of so many each. From so many on, it pays to begin with those before all
+// points are known: tets in another order are another problem for TetGen where it works in parts, and for the
+// quality pass.
 constexpr std::ptrdiff_t kLarge = 10'000, kWorthAStart = 40'000;
 // Sine of the smallest angle of a face that TetGen still refines around in useful time: 0.006 degrees.
 constexpr double kNeedle = 1e-4;
 // So many tets a vertex without vertices inside: points lie on common spheres, and flat tets fill the gaps.
 // Around 4 is usual.
 constexpr double kCrowd = 4.5;
-// Tets around an edge: more than TetGen's flips need to take apart in nearly all cases. Among needles they
-// take several times as long without a limit.
-constexpr std::int32_t kLargestFlip = 40;
 
 // --- Delaunay tets first (delaunay_first.cpp, delaunay_match.cpp, domain_parts.cpp) ---
 
 // Bytes that Delaunay tets take for each point.
 constexpr std::size_t kDelaunayBytesPerPoint = 1500;
-// A cavity with more tets than this is TetGen's. So are cavities with more pairs of a tet and a missing
-// facet, where one facet goes after the other.
-constexpr std::size_t kLargestFacetCavity = 40;
+// A cavity with more pairs of a tet and a missing facet is TetGen's, where one facet goes after the other.
 constexpr std::size_t kMostPairs = 300'000;
-// So often all cavities are looked at, each time with one more layer of tets around them.
-constexpr int kCavityRounds = 3;
-// TetGen's part is shared out in pieces of at least this many facets, which can run at the same time.
-constexpr std::int64_t kFacetsPerPiece = 10'000, kMostPieces = 4;
+// Pieces that TetGen's part is shared out in.
+constexpr std::int64_t kMostPieces = 4;
 // Facets of a part that is halved where TetGen fails.
 constexpr std::size_t kSmallestPart = 200;
 // Facets for each part of which the tree is made that shares out the tets.

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "kernels/core/tuning.h"
 #include "src/arrangement/intersection_graph.h"
 #include "src/certificates/tuning.h"
 #include "src/run/stopwatch.h"
@@ -83,7 +84,7 @@ Status gather_facts(const Surface& surface, bool full_winding_range, const RunCo
   return success();
 }
 
-bool is_checkable(const Hinge& hinge) { return hinge.opening > kCheckableOpening; }
+bool is_checkable(const Hinge& hinge) { return hinge.opening > kRounding; }
 
 const Hinge* clearest_negative(const std::vector<Hinge>& hinges) {
   const Hinge* best = nullptr;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "kernels/core/assertions.h"
+#include "kernels/core/tuning.h"
 #include "kernels/predicates/predicates.h"
 #include "src/certificates/tuning.h"
 #include "src/exact/rays.h"
@@ -39,7 +40,7 @@ class StackSearch {
     if (!coplanar(f, g)) return std::nullopt;
     const Vec n = rays_.normal(f);
     const std::vector<Vec> ring = overlap(f, g, n);
-    for (int k = 0; k < kOverlapPoints && ring.size() > 2; ++k) {
+    for (int k = 0; k < kInVain && ring.size() > 2; ++k) {
       Vec q{};
       Rational sum = 0;
       for (std::size_t i = 0; i < ring.size(); ++i) {

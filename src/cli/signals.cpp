@@ -103,13 +103,13 @@ void Watchdog::watch() {
       full_at = Clock::now();
 
     std::optional<Error> end;
-    if (longer(interrupted_at, kInterruptGrace))
+    if (longer(interrupted_at, kGrace))
       end = Error{ErrorCode::interrupted, "Interrupted; nothing was written."};
-    else if (longer(deadline_, kDeadlineGrace))
+    else if (longer(deadline_, kLastGrace))
       end = Error{.code = ErrorCode::limit,
                   .message = "The time limit was reached.",
                   .reason = ErrorReason::time_limit};
-    else if (longer(full_at, kMemoryGrace))
+    else if (longer(full_at, kGrace))
       end =
           Error{.code = ErrorCode::limit,
                 .message = "The memory limit of " + std::to_string(memory_limit_ >> 20) + " MiB was reached.",

@@ -61,15 +61,15 @@ void Terminal::progress(std::string_view stage, double fraction, std::string_vie
   if (!bar_) return;
   const std::lock_guard lock(mutex_);
   const auto now = std::chrono::steady_clock::now();
-  if (stage == stage_ && now - last_ < kRedraw) return;
+  if (stage == stage_ && now - last_ < kWatchPeriod) return;
   stage_ = stage;
   last_ = now;
   const double f = std::isfinite(fraction) ? std::clamp(fraction, 0.0, 1.0) : 0;
-  const int full = static_cast<int>(std::lround(f * kBarCells));
+  std::string bar(24, '.');
+  std::fill_n(bar.begin(), std::lround(f * static_cast<double>(bar.size())), '#');
   std::string text = std::string(stage);
   text.resize(std::max<std::size_t>(text.size(), 13), ' ');
-  text += " [" + std::string(static_cast<std::size_t>(full), '#') +
-          std::string(static_cast<std::size_t>(kBarCells - full), '.') + "] ";
+  text += " [" + bar + "] ";
   text += std::to_string(static_cast<int>(100 * f)) + " % ";
   text += detail;
   text = one_line(text).substr(0, columns() - 1);

@@ -10,16 +10,12 @@ namespace overtet {
 constexpr double kFreeMemory = 0.9;
 // Elements of each kind in the text of `inspect`.
 constexpr std::size_t kListed = 20;
-// How long a run may take to notice that it is to end, and between two looks whether it is.
-constexpr auto kInterruptGrace = std::chrono::milliseconds(1500);
-constexpr auto kDeadlineGrace = std::chrono::milliseconds(2500);
-constexpr auto kMemoryGrace = std::chrono::milliseconds(1000);
+// How long a run may take to notice that it was interrupted or that its memory is full.
+constexpr auto kGrace = std::chrono::milliseconds(1000);
+// The same at the end of its time; and how long anything may take after an interrupt, a watchdog included:
+// what is blocked in a write to a pipe that is not read notices nothing, and neither does who waits for it.
+constexpr auto kLastGrace = std::chrono::milliseconds(2500);
+// Between two looks whether a run is to end, and between two changes of the bar.
 constexpr auto kWatchPeriod = std::chrono::milliseconds(50);
-// How long anything may take, a watchdog included: what is blocked in a write to a pipe that is not read
-// notices nothing, and neither does who waits for it.
-constexpr auto kLastGrace = std::chrono::milliseconds(3000);
-// Between two changes of the bar, and its cells.
-constexpr auto kRedraw = std::chrono::milliseconds(100);
-constexpr int kBarCells = 24;
 
 }  // namespace overtet

@@ -24,6 +24,10 @@ using exact::Rational;
 using exact::Vec;
 using Condition = GluingCondition;
 
+// Steps in all to find conflicts near hinges, and to make a conflict small (some seconds each): whole
+// searches, one for every way of looking near hinges.
+std::int64_t most_steps_to_name() { return std::ssize(kStepsNear) * std::ssize(kSheets) * kMostGluingSteps; }
+
 class Checker {
  public:
   Checker(const Surface& surface, const TriangleBvh& bvh, IntersectionGraph& graph, const RunContext& context)
@@ -377,7 +381,7 @@ class Checker {
         if ((surface_.F.row(g).array() == v).any() && hinges.size() < kMostHinges) hinges.insert(v);
     std::vector<std::array<double, 3>> places;
     for (const Condition& c : conditions_) places.push_back(place_of(c));
-    const std::int64_t end = steps + kMostStepsToName;
+    const std::int64_t end = steps + most_steps_to_name();
     for (const std::int64_t budget : kStepsNear)
       for (const int most : kSheets) {
         if (most < least) continue;
@@ -408,14 +412,14 @@ class Checker {
 
   // A conflict in which nothing is left out that it can do without.
   std::vector<Condition> fewer(std::vector<Condition> conflict, std::int64_t& steps) const {
-    const std::int64_t end = steps + kMostStepsToName;
+    const std::int64_t end = steps + most_steps_to_name();
     std::int64_t most = kMostGluingSteps;
     const auto still = [&](const std::vector<Condition>& some) -> std::optional<std::vector<Condition>> {
       GluingSearch search = searching(some);
       const SolverAnswer answer = search.run(std::min(most, end - steps));
       steps += search.steps();
       if (answer != SolverAnswer::none) return std::nullopt;
-      most = std::max(kMostStepsToDrop, kTimesToDrop * search.steps());
+      most = std::max(kFewSteps, search.steps());
       return search.needed();
     };
     while (auto less = still(conflict)) {

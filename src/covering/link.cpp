@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -142,16 +143,17 @@ class Link {
 
 // False when the layers do not agree or are too many.
 bool count_layers(Graph& g, const std::vector<int>& near) {
-  constexpr int kUnknown = -1000;
-  std::fill(g.layers.begin(), g.layers.end(), kUnknown);
+  std::vector<char> counted(g.layers.size(), 0);
   std::vector<int> stack{g.cell[g.around[0][0].piece][1]};
   g.layers[stack[0]] = near[0];
+  counted[stack[0]] = 1;
   while (!stack.empty()) {
     const int c = stack.back();
     stack.pop_back();
     for (const auto& [right, left] : g.cell)
       for (const auto& [here, there, jump] : {std::array{right, left, -1}, std::array{left, right, 1}})
-        if (here == c && g.layers[there] == kUnknown) {
+        if (here == c && !counted[there]) {
+          counted[there] = 1;
           g.layers[there] = g.layers[c] + jump;
           stack.push_back(there);
         }
@@ -161,7 +163,8 @@ bool count_layers(Graph& g, const std::vector<int>& near) {
   for (int i = 0; i < g.corners; ++i)
     if (g.layers[g.cell[g.around[i][0].piece][1]] != near[i]) return false;
   const auto [low, high] = std::minmax_element(g.layers.begin(), g.layers.end());
-  return *low >= 0 && *high <= kMostLayers;
+  return *low >= 0 && *high <= *std::rbegin(kSheets) &&
+         std::all_of(counted.begin(), counted.end(), [](char c) { return c != 0; });
 }
 
 // The search: pieces are regions, their left side is the outer one.

@@ -25,8 +25,6 @@ using exact::Rational;
 using exact::RayStatus;
 using exact::Vec;
 
-constexpr int kNoBound = 1000;
-
 Point direction(int attempt) {
   const double d[3] = {exact::scatter(3 * attempt), exact::scatter(5 * attempt + 1),
                        exact::scatter(7 * attempt + 2)};
@@ -105,7 +103,7 @@ class Star {
       at_most.push_back(turns(ends_[half_edge_target(surface_.F, h) - 1]));
     }
     for (int a = 0; a <= most; ++a) {
-      if (steps > kMostLinkSteps) return a;
+      if (steps > kMostGluingSteps) return a;
       Hinge hinge = hinge_;
       *hinge.B0 += 2 * (a - hinge_.covering);
       const LinkAnswer answer = fill_link(surface_, topology_, hinge, near, at_most);
@@ -253,7 +251,7 @@ class Study {
     }
     std::sort(cuts.begin(), cuts.end());
     cuts.erase(std::unique(cuts.begin(), cuts.end()), cuts.end());
-    int most = kNoBound;
+    int most = std::numeric_limits<int>::max();
     for (std::size_t i = 1; i < cuts.size(); ++i)
       if (const auto room = room_between(a, along, cuts[i - 1], cuts[i])) most = std::min(most, *room);
     return most;
@@ -261,7 +259,7 @@ class Study {
 
   std::optional<int> room_between(const Point& a, const Vec& along, const Rational& t0,
                                   const Rational& t1) const {
-    for (int place = 1; place <= kPlacesOnEdge; ++place) {
+    for (int place = 1; place <= kRayAttempts; ++place) {
       const Point m(a.x + ((place * t0 + t1) / (place + 1)) * along);
       const Things things = through(m);
       if (!things.vertices.empty()) continue;
@@ -290,7 +288,7 @@ Result<std::vector<SharedPoint>> find_shared(const Surface& surface, const Surfa
   std::int64_t steps = 0;
   for (const Index v : vertices) {
     if (auto stop = context.stop()) return *stop;
-    if (steps > kMostLinkSteps) break;
+    if (steps > kMostGluingSteps) break;
     if (!seen.insert({surface.V(v, 0), surface.V(v, 1), surface.V(v, 2)}).second) continue;
     if (auto found = study.look(v, steps)) out.push_back(std::move(*found));
   }

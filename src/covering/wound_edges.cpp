@@ -54,7 +54,7 @@ class Assigner {
     bool first = true;
     for (int round = 0; round < 3 && (first || !best.complete()); ++round) {
       std::vector<Index> unmet;
-      for (const double closed_cost : {kClosedCost, 0.0}) {
+      for (const double closed_cost : {kFarMore * kFarMore, 0.0}) {
         if (auto stop = context_.stop()) return *stop;
         Result<WoundEdges> got = attempt(extra, closed_cost);
         if (!got.ok()) return got;
@@ -154,7 +154,7 @@ class Assigner {
         all_along.push_back(least(h));
       });
       if (!sure) unsure.push_back(hinge.vertex);
-      if (!sure || steps > kMostLinkSteps) continue;
+      if (!sure || steps > kMostGluingSteps) continue;
       const LinkAnswer answer = fill_link(surface_, topology_, hinge, near, all_along);
       steps += answer.steps;
       if (answer.verdict != LinkVerdict::unfillable) continue;
@@ -201,7 +201,7 @@ class Assigner {
     for (std::size_t i = 0; i < hinges_.size(); ++i) hinge_at_[hinges_[i].vertex] = static_cast<Index>(i);
     // Ordinary vertices joined by edges that nothing pierces have the same number of layers over them.
     patch_.reset(static_cast<std::size_t>(n));
-    layers_.assign(n, kUnknown);
+    layers_.assign(n, {});
     region_of_.assign(n, -1);
     tree_.distance.assign(n, HUGE_VAL);
     tree_.from.assign(n, -1);
@@ -219,20 +219,18 @@ class Assigner {
     mean_length_ = count > 0 && total > 0 ? total / count : 1;
   }
 
-  // Layers over an ordinary vertex. kUndefined where no edge tells; that is less than any number.
-  int layers(Index v) {
-    const Index r = patch_.root(v);
-    if (layers_[r] != kUnknown) return layers_[r];
-    int value = 0;
-    bool found = false;
+  // Layers over an ordinary vertex. None where no edge tells.
+  std::optional<int> layers(Index v) {
+    Layers& here = layers_[patch_.root(v)];
+    if (here.looked_for) return here.number;
+    here.looked_for = true;
     for (const Index h : half_edges_around(topology_, v)) {
       const auto levels = edge_levels(surface_, topology_, bvh_, h, piercing_faces(pierced_, topology_, h));
       if (!levels || levels->empty()) continue;
-      value = levels->front();
-      found = true;
+      here.number = levels->front();
       break;
     }
-    return layers_[r] = found ? value : kUndefined;
+    return here.number;
   }
 
   Edge study(Index e, const std::vector<Index>& piercing) const {
@@ -267,17 +265,18 @@ class Assigner {
   bool is_known(Index h) {
     if (!simple(h)) return edge(h).known;
     const Index a = half_edge_source(surface_.F, h);
-    return layers(hinge_at_[a] < 0 ? a : half_edge_target(surface_.F, h)) != kUndefined;
+    return layers(hinge_at_[a] < 0 ? a : half_edge_target(surface_.F, h)).has_value();
   }
   // Edges that nothing pierces, with an ordinary end, are the bulk and need no entry of their own.
   bool simple(Index h) const {
     return !is_pierced_[edge_of(h)] &&
            (hinge_at_[half_edge_source(surface_.F, h)] < 0 || hinge_at_[half_edge_target(surface_.F, h)] < 0);
   }
+  // Negative, as nothing fits there, where the levels are not defined.
   int least(Index h) {
     if (!simple(h)) return edge(h).least;
     const Index a = half_edge_source(surface_.F, h);
-    return layers(hinge_at_[a] < 0 ? a : half_edge_target(surface_.F, h));
+    return layers(hinge_at_[a] < 0 ? a : half_edge_target(surface_.F, h)).value_or(-1);
   }
   int level_at(Index h, Index v) {  // next to its end v
     if (simple(h)) return least(h);
@@ -288,7 +287,7 @@ class Assigner {
     const double length =
         (surface_.V.row(half_edge_source(surface_.F, h)) - surface_.V.row(half_edge_target(surface_.F, h)))
             .norm();
-    return 1 + kLengthCost * length / mean_length_ + (is_pierced_[edge_of(h)] ? kPiercedCost : 0);
+    return 1 + 1 / kFarMore * length / mean_length_ + (is_pierced_[edge_of(h)] ? kFarMore : 0);
   }
 
   // How many chains must end at a hinge.
@@ -322,7 +321,7 @@ class Assigner {
   }
   bool passable(Index v, const Usage& usage, const std::vector<int>& chains) {
     const int i = hinge_at_[v];
-    if (i < 0) return usage.of_vertex(v) + 2 <= 2 * layers(v);
+    if (i < 0) return usage.of_vertex(v) + 2 <= 2 * layers(v).value_or(0);
     return hinges_[i].B0 && chains[i] + 2 + std::max(0, usage.of_vertex(v) - chains[i]) <= *hinges_[i].B0;
   }
 
@@ -671,9 +670,11 @@ class Assigner {
   const RunContext& context_;
   std::vector<Index> hinge_at_;
   UnionFind patch_;
-  static constexpr int kUnknown = std::numeric_limits<int>::min();
-  static constexpr int kUndefined = std::numeric_limits<int>::min() / 4;
-  std::vector<int> layers_;  // by root
+  struct Layers {
+    bool looked_for = false;
+    std::optional<int> number;
+  };
+  std::vector<Layers> layers_;  // by root
   std::unordered_map<Index, Edge> edges_;
   std::vector<char> is_pierced_;  // by smaller half-edge
   std::vector<Index> region_of_;

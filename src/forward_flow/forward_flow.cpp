@@ -13,19 +13,18 @@
 #include "kernels/contact/contact.h"
 #include "kernels/core/assertions.h"
 #include "kernels/core/indices.h"
+#include "kernels/core/tuning.h"
 #include "kernels/core/union_find.h"
 #include "kernels/laplacian/laplacian.h"
+#include "kernels/laplacian/tuning.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/predicates/predicates.h"
 #include "kernels/sparse/cholesky.h"
-#include "src/forward_flow/tuning.h"
 #include "src/mesh/topology.h"
 
 namespace overtet {
 
 namespace {
-
-constexpr const char* kStage = "forward_flow";
 
 using Pairs = std::vector<IndexPair>;
 
@@ -297,6 +296,11 @@ class Flow {
   }
 
  private:
+  void report(Index pairs, const std::string& how) const {
+    context_.report("forward_flow", 1 - static_cast<double>(pairs) / static_cast<double>(pairs_.size()),
+                    std::to_string(pairs) + " pairs" + how);
+  }
+
   // Needles flow through each other by the hundred; no later step brings that back.
   bool exploded(Index pairs) const { return pairs > 10 * static_cast<double>(pairs_.size()) + 100; }
 
@@ -478,7 +482,7 @@ class Flow {
   void record(const ForwardFlowStep& step, const std::string& detail) {
     result_.steps.push_back(step);
     if (step.all_pairs) keep_fewest(step.pairs);
-    context_.report(kStage, 1 - static_cast<double>(step.pairs) / static_cast<double>(pairs_.size()),
+    context_.report("forward_flow", 1 - static_cast<double>(step.pairs) / static_cast<double>(pairs_.size()),
                     std::to_string(step.pairs) + detail);
   }
 
@@ -510,7 +514,7 @@ class Flow {
       // Most steps leave some old pair in every running cluster; then nothing else has to be tested.
       Pairs known = still_meeting(X, hits);
       std::vector<Index> n = count_by_cluster(regions, known);
-      bool full = ++since_full >= kFullTestEvery;
+      bool full = ++since_full >= kFullLookEvery;
       for (std::size_t c = 0; c < count; ++c) full = full || (state[c] == State::running && n[c] == 0);
       if (full) {
         known = mesh.intersections(X);
@@ -571,7 +575,7 @@ class Flow {
       if (!X.allFinite()) return false;
       keep_state(X, all);
       Pairs known = still_meeting(X, hits);
-      const bool full = known.empty() || ++since_full >= kFullTestEvery;
+      const bool full = known.empty() || ++since_full >= kFullLookEvery;
       if (full) {
         known = mesh.intersections(X);
         since_full = 0;

@@ -10,6 +10,7 @@
 
 #include "kernels/core/tet_tables.h"
 #include "kernels/core/triangles.h"
+#include "kernels/core/tuning.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
 #include "kernels/predicates/predicates.h"
@@ -45,12 +46,12 @@ class Clearer {
   BoundaryPointsResult run() {
     result_.smallest_clearance = queue_.empty() ? 0 : std::numeric_limits<double>::infinity();
     for (const double least : kClearances) try_all(least);
-    for (int round = 0; round < kReconnections && !queue_.empty() && !context_.stop(); ++round) {
+    for (int round = 0; round < kSweeps && !queue_.empty() && !context_.stop(); ++round) {
       reconnect();
       try_all(0);
     }
     thorough_ = true;
-    for (int round = 0; round < kThoroughRounds && !queue_.empty() && !context_.stop(); ++round) try_all(0);
+    for (int round = 0; round < kInVain && !queue_.empty() && !context_.stop(); ++round) try_all(0);
     thorough_ = false;
     result_.left = queue_;
     spread();
@@ -62,7 +63,7 @@ class Clearer {
     std::vector<Index> left;
     for (Index v = 0; v < static_cast<Index>(surface_.V.rows()); ++v)
       if (complex_.position(v) != Vector3d(surface_.V.row(v))) left.push_back(v);
-    for (int round = 0; round < kHomeRounds && !left.empty(); ++round) {
+    for (int round = 0; round < kMostRounds && !left.empty(); ++round) {
       std::vector<Index> still;
       for (const Index v : left) {
         if (context_.stop()) return left;
@@ -355,7 +356,7 @@ class Clearer {
     std::vector<std::pair<Index, Index>> crossed;
     for (int step = 0;; ++step) {
       const double a = side(before), b = side(after);
-      const double off = thorough_ ? kBarelyOffPlane : kOffPlane;
+      const double off = thorough_ ? kRoundedLength : kOffPlane;
       if (!(a < -off && b > off) || step > 1000) return {};
       crossed.emplace_back(before, after);
       int k = 0;
@@ -389,7 +390,7 @@ class Clearer {
       if (wall == crossed.end()) break;
       // The star reaches across to another part of the boundary, whose edges stay whole: it is made smaller
       // there.
-      if (round == kShrinkings || !(split_edge(v, wall->first) || split_edge(v, wall->second) ||
+      if (round == kMostRounds || !(split_edge(v, wall->first) || split_edge(v, wall->second) ||
                                     (thorough_ && split_triangle(v, wall->first, wall->second))))
         return {};
     }
@@ -432,8 +433,9 @@ class Clearer {
         if (!path.empty()) break;
       }
       if (thorough_)
-        for (int i = -kMoreSlits; i <= kMoreSlits && path.empty(); ++i)
-          path = slit(v, p, n, angle_of(j + 0.5 + kWidestSlit * i / kMoreSlits));
+        for (double shift = kSlitStep; shift < 0.5 && path.empty(); shift += kSlitStep)
+          for (const double side : {shift, -shift})
+            if (path.empty()) path = slit(v, p, n, angle_of(j + 0.5 + side));
       if (path.empty()) return false;
       slits.push_back(std::move(path));
     }
@@ -609,10 +611,9 @@ class Clearer {
           allowed[i * n + j] = !adjacent(i, j) && split_edge(polygon[i], polygon[j]);
         }
     // best[i][j]: the best worst quality of the part from i to j.
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    std::vector<double> best(n * n, -kInfinity);
+    std::vector<double> best(n * n, -HUGE_VAL);
     std::vector<std::size_t> apex(n * n, 0);
-    for (std::size_t i = 0; i + 1 < n; ++i) best[i * n + i + 1] = kInfinity;
+    for (std::size_t i = 0; i + 1 < n; ++i) best[i * n + i + 1] = HUGE_VAL;
     for (std::size_t length = 2; length < n; ++length)
       for (std::size_t i = 0; i + length < n; ++i) {
         const std::size_t j = i + length;
@@ -694,7 +695,7 @@ class Clearer {
     const Vector3d start = complex_.position(v);
     const std::optional<Vector3d> way = kernel_centre(walls, start);
     if (!way) return std::nullopt;
-    for (double share = 1; share > kLeastShare; share *= 0.5) {
+    for (double share = 1; share > kPrecise; share *= 0.5) {
       const Vector3d y = start + share * *way;
       if (!positive(sides, y)) continue;
       double clearance = std::numeric_limits<double>::infinity();
@@ -727,7 +728,7 @@ class Clearer {
     Vector3d x = start, best = start;
     double value = search.measure(x, search.distance), best_value = value;
     double step = 0.25 * size;
-    for (int i = 0; i < 200 && step > std::max(kLeastStep * size, kLeastGain * best_value); ++i) {
+    for (int i = 0; i < 200 && step > std::max(kRoundedLength * size, kPrecise * best_value); ++i) {
       Vector3d direction = Vector3d::Zero();
       for (std::size_t k = 0; k < search.size(); ++k)
         if (const double slack = search.distance[k] - value; slack <= 0.5 * step)

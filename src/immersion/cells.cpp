@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <string>
 #include <tuple>
 
@@ -290,8 +291,7 @@ class CellFinder {
   }
 
   std::optional<Error> find_windings() {
-    constexpr Index kUnknown = -1000000;
-    out_.winding.assign(cells_, kUnknown);
+    out_.winding.assign(cells_, 0);
     std::vector<std::vector<std::pair<Index, Index>>> links(cells_ + 1);  // (cell, w there - w here)
     const auto index = [&](Index tet) { return tet < 0 ? cells_ : out_.cell[tet]; };
     std::map<std::tuple<Index, Index, Index>, char> seen;
@@ -308,31 +308,31 @@ class CellFinder {
       links[front].emplace_back(back, jump);
       links[back].emplace_back(front, -jump);
     }
-    std::vector<Index> known(cells_ + 1, kUnknown), stack{cells_};
+    std::vector<std::optional<Index>> known(cells_ + 1);
+    std::vector<Index> stack{cells_};
     known[cells_] = 0;
     while (!stack.empty()) {
       const Index c = stack.back();
       stack.pop_back();
       for (const auto& [other, jump] : links[c]) {
-        if (known[other] == kUnknown) {
-          known[other] = known[c] + jump;
+        if (!known[other]) {
+          known[other] = *known[c] + jump;
           stack.push_back(other);
-        } else if (known[other] != known[c] + jump) {
+        } else if (*known[other] != *known[c] + jump) {
           return Error{ErrorCode::unsolved,
                        "The rounded arrangement has lost a face: its winding numbers disagree."};
         }
       }
     }
     for (Index c = 0; c < cells_; ++c) {
-      out_.winding[c] = known[c];
-      if (known[c] < 0 && known[c] != kUnknown)
+      if (!known[c]) return Error{ErrorCode::unsolved, "The arrangement has a cell that no face bounds."};
+      out_.winding[c] = *known[c];
+      if (*known[c] < 0)
         // Whether the surface itself has such a region is for the exact diagnosis to say; rounding can make
         // one.
         return Error{ErrorCode::unsolved,
                      "The rounded arrangement has a cell with the negative winding number " +
-                         std::to_string(known[c]) + "."};
-      if (known[c] == kUnknown)
-        return Error{ErrorCode::unsolved, "The arrangement has a cell that no face bounds."};
+                         std::to_string(*known[c]) + "."};
     }
     return std::nullopt;
   }

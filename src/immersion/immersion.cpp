@@ -144,7 +144,7 @@ bool nearly_coincides(const Surface& surface, const std::vector<FacePair>& pairs
     return Eigen::Vector3d((b - a).cross(c - a).normalized());
   };
   return std::any_of(pairs.begin(), pairs.end(), [&](const FacePair& p) {
-    return normal(p.first).cross(normal(p.second)).norm() < kParallel;
+    return normal(p.first).cross(normal(p.second)).norm() < kFlat;
   });
 }
 

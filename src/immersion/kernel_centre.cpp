@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "src/immersion/tuning.h"
+#include "kernels/core/tuning.h"
 
 namespace overtet {
 
@@ -88,16 +88,16 @@ class Barrier {
     const double decrement = half.squaredNorm();
     const Eigen::VectorXd change = rows_ * direction;
     if (!std::isfinite(decrement) || !change.allFinite()) return 0;
-    double length = 1;
+    double length = 1;  // at most half the way to a wall
     for (Eigen::Index i = 0; i < change.size(); ++i)
-      if (change[i] < 0) length = std::min(length, -kTowardsWall * slack_[i] / change[i]);
+      if (change[i] < 0) length = std::min(length, slack_[i] / (-2 * change[i]));
     // The objective is concave: its slope decides how far.
-    for (; length > kLeastNewtonStep; length /= 2) {
+    for (; length > kRounding; length /= 2) {
       double slope = weight.dot(direction);
       for (Eigen::Index i = 0; i < change.size(); ++i) slope += change[i] / (slack_[i] + length * change[i]);
       if (slope >= -decrement / 2) break;
     }
-    if (!(length > kLeastNewtonStep)) return 0;
+    if (!(length > kRounding)) return 0;
     z_ += length * direction;
     slack_ += length * change;
     return slack_.minCoeff() > 0 ? decrement : 0;
@@ -112,7 +112,7 @@ class Barrier {
 // log(distance - t) for growing weights.
 std::optional<Vector3d> inside(const Planes& planes) {
   const Eigen::Index n = planes.distance.size();
-  if (planes.distance.minCoeff() > kFarFromWalls) return Vector3d::Zero();
+  if (planes.distance.minCoeff() > kPrecise) return Vector3d::Zero();
   // The walls moved out by some of the size may meet far away, where digits end: a box keeps the search near.
   Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(n + 6, 4);
   rows.topRows(n) << planes.normal, Eigen::VectorXd::Constant(n, -1);
@@ -123,9 +123,11 @@ std::optional<Vector3d> inside(const Planes& planes) {
   slack.head(n) = planes.distance.array() - least;
   Barrier barrier(std::move(rows), std::move(slack));
   Eigen::VectorXd weight = Eigen::VectorXd::Zero(4);
-  for (weight[3] = static_cast<double>(n); weight[3] < static_cast<double>(n) / kLeastOpen; weight[3] *= 8) {
-    for (int i = 0; i < kNewtonSteps; ++i)
-      if (barrier.step(weight) < kNewtonDecrement) break;
+  // What opens less than that is closed.
+  const double least_open = std::numeric_limits<double>::epsilon() / 16;
+  for (weight[3] = static_cast<double>(n); weight[3] < static_cast<double>(n) / least_open; weight[3] *= 8) {
+    for (int i = 0; i < kMostRounds; ++i)
+      if (barrier.step(weight) < kPrecise) break;
     if (least + barrier.z()[3] <= 0) continue;
     const Vector3d x = barrier.z().head<3>();
     if ((planes.normal * x + planes.distance).minCoeff() > 0) return x;
@@ -142,8 +144,8 @@ std::optional<Vector3d> kernel_centre(const std::vector<Wall>& walls, const Vect
   if (!first) return std::nullopt;
   Barrier barrier(planes->normal, planes->normal * *first + planes->distance);
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(3);
-  for (int i = 0; i < kNewtonSteps; ++i)
-    if (barrier.step(none) < kNewtonDecrement) break;
+  for (int i = 0; i < kMostRounds; ++i)
+    if (barrier.step(none) < kPrecise) break;
   return Vector3d(planes->size * (*first + barrier.z()));
 }
 

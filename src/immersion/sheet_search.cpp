@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "kernels/core/tuning.h"
+#include "src/covering/tuning.h"
 #include "src/immersion/tuning.h"
 
 namespace overtet {
@@ -140,7 +142,7 @@ std::optional<std::vector<Index>> SheetSearch::possible(Index r, Index& blame) {
       const int turns = turns_at(f);
       fits = turns >= 0;
       if (!fits) blame = static_cast<Index>(puzzle_.fans.size()) + c;
-      cost += (turns != f.given) + (turns > 0 && f.pierced ? kPiercedWeight : 0);
+      cost += (turns != f.given) + (turns > 0 && f.pierced ? kFarMore : 0);
     }
     if (fits && fits_links(r, blame)) costs.emplace_back(cost, o);
   }
@@ -338,7 +340,7 @@ bool SheetSearch::search(const std::vector<Index>& part) {
   const std::int64_t n = static_cast<std::int64_t>(part.size());
   const std::int64_t first =
       all_listed ? kFirstNodes + kFirstNodesEach * n : kFirstNodes + kMostNodesMade * n;
-  const std::int64_t last = work_.nodes + (all_listed ? most_nodes_ : kAttemptsMade * first);
+  const std::int64_t last = work_.nodes + (all_listed ? most_nodes_ : kInVain * first);
   weights_.of.assign(puzzle_.fans.size() + puzzle_.free_fans.size(), 1);
   weights_.of.resize(weights_.of.size() + puzzle_.links.size(), 0);
   weights_.count = false;
@@ -375,7 +377,7 @@ std::set<std::pair<Index, Index>> SheetSearch::settle_free_fans() {
     for (const Index i : around_[r].free_fans) {
       const int turns = turns_at(puzzle_.free_fans[i]);
       if (turns < 0) return std::numeric_limits<double>::infinity();
-      sum += turns * (puzzle_.free_fans[i].pierced ? kPiercedWeight : 1.0);
+      sum += turns * (puzzle_.free_fans[i].pierced ? kFarMore : 1.0);
     }
     return sum;
   };

@@ -10,7 +10,9 @@
 #include <tuple>
 
 #include "kernels/core/assertions.h"
+#include "kernels/core/tuning.h"
 #include "kernels/parallel/grouping.h"
+#include "src/covering/tuning.h"
 #include "src/immersion/cells.h"
 #include "src/immersion/sheet_search.h"
 #include "src/immersion/tuning.h"
@@ -47,7 +49,7 @@ class Assigner {
       if (all) near_.clear();
       refused_.clear();
       cut_short_ = false;
-      for (int round = 0; round < kFreeRounds; ++round) {
+      for (int round = 0; round < kInVain; ++round) {
         reset();
         const std::size_t refused = refused_.size();
         if (auto error = glue()) {
@@ -92,8 +94,7 @@ class Assigner {
       torn_ = true;
       return error;
     }
-    SheetSearch search(out_.regions, out_.winding, puzzle_, context_,
-                       near_.empty() ? kMostNodes : kMostNodesNear);
+    SheetSearch search(out_.regions, out_.winding, puzzle_, context_, near_.empty() ? kMostNodes : kFewSteps);
     const bool found = search.solve();
     cut_short_ = cut_short_ || search.cut_short();
     out_.search_nodes += search.nodes();

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "kernels/core/assertions.h"
+#include "kernels/core/tuning.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
 #include "src/improve/passes.h"
@@ -330,11 +331,11 @@ class Improver {
     if (was_cut) look_at(Work::passes, sine_of(kLookAgain * options_.target_degrees));
     double worst = worst_quality(mesh_);
     const double target = sine_of(options_.target_degrees);
-    for (int look = 0; look < kMostLooks && worst < target; ++look) {
+    for (int look = 0; look < kMostRounds && worst < target; ++look) {
       look_at(Work::look, std::min(target, kWorstOfAll * worst));
       const double before = worst;
       worst = worst_quality(mesh_);
-      if (!(worst > kLookPays * before)) break;
+      if (!(worst > kPays * before)) break;
     }
     if (!silent_.stop()) result_.lifted = lift_worst(mesh_, target, silent_);
     // Lifting has numbered vertices anew, and only refinement asks.

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "kernels/core/tet_tables.h"
+#include "kernels/core/tuning.h"
 #include "src/improve/bad_tets.h"
 #include "src/improve/tuning.h"
 
@@ -24,7 +25,7 @@ class Passes {
         mesh_(work.mesh()),
         options_(options),
         context_(context),
-        smoothing_gain_(care == Care::by_all_means ? kAnyGain : kSmoothingPays),
+        smoothing_gain_(care == Care::by_all_means ? kAnyGain : kPays),
         insertion_gain_(care == Care::by_all_means ? kAnyGain : kInsertionPays),
         target_(std::sin(options.target_degrees * M_PI / 180)),
         insert_below_(std::sin(std::min(options.insert_below_degrees, options.target_degrees) * M_PI / 180)),
@@ -51,7 +52,7 @@ class Passes {
         result_.end = ImproveResult::End::target_reached;
         break;
       }
-      if (bad.front().rank < kThin && extra < kExtraPassesForThin) ++extra;
+      if (bad.front().rank < kThin && extra < kMostRounds) ++extra;
       context_.report("improve", double(pass) / (options_.passes + extra),
                       std::to_string(bad.size()) + " tets below " +
                           std::to_string(int(options_.target_degrees)) + " degrees");
@@ -200,7 +201,7 @@ class Passes {
     const bool idle =
         was_strong && slow && !worst_grows && record.inserted + record.collapsed < record.bad / kIdlePart;
     course_.idle = idle ? course_.idle + 1 : 0;
-    if (course_.idle < kIdlePasses) return true;
+    if (course_.idle < kInVain) return true;
     result_.end = ImproveResult::End::no_progress;
     return false;
   }

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "kernels/core/tuning.h"
 #include "src/improve/bad_tets.h"
 #include "src/improve/tuning.h"
 
@@ -15,7 +16,7 @@ std::int64_t refine(LocalOperations& work, double radius_edge, std::span<const c
   std::vector<char> hopeless(mesh.tet_capacity(), 0);  // tried in vain
   std::int64_t all = 0;
   const auto is_loose = [&](Index v) { return v < static_cast<Index>(loose.size()) && loose[v]; };
-  for (int pass = 0; pass < kMostRefinements; ++pass) {
+  for (int pass = 0; pass < kMostRounds; ++pass) {
     const std::vector<BadTet> bad = bad_tets(mesh, [&](Index t) -> std::optional<double> {
       const auto& c = mesh.tet(t);
       if (hopeless[t] || std::any_of(c.begin(), c.end(), is_loose)) return std::nullopt;

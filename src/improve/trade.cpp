@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "kernels/core/tet_tables.h"
+#include "kernels/core/tuning.h"
 #include "src/improve/bad_tets.h"
 #include "src/improve/tuning.h"
 
@@ -28,7 +29,7 @@ std::int64_t fewer_bad(LocalOperations& work, const LocalOperations::Price& pric
       for (const Index v : mesh.tet(t)) touched[v] = now;
     return true;
   };
-  for (int pass = 0; pass < kMostTradePasses; ++pass) {
+  for (int pass = 0; pass < kMostRounds; ++pass) {
     const std::vector<BadTet> bad = bad_tets(mesh, [&](Index t) -> std::optional<double> {
       return price(work.quality(t)) > 0 ? std::optional(-work.quality(t)) : std::nullopt;
     });

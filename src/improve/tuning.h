@@ -41,8 +41,6 @@ constexpr double kShrinks = 0.75;
 
 // A pass that inserts fewer vertices than one for so many tets is the last one.
 constexpr std::int64_t kTetsPerVertex = 2000;
-// Passes of the refinement; ten are many. So that nothing goes on for ever.
-constexpr int kMostRefinements = 40;
 // Refinement may at most multiply the tets by this.
 constexpr std::int64_t kRefinedGrowth = 5;
 // Below this quality (3 degrees) vertices inside are taken out where that helps.
@@ -54,13 +52,12 @@ constexpr double kLooseQuality = 0.05;
 constexpr double kSlow = 0.9;
 // Qualities below this are hopeless for a while: thin layers grow by a factor per pass, they get more passes.
 constexpr double kThin = 1e-2;
-constexpr int kExtraPassesForThin = 40;
-// This many passes in a row that leave nearly all bad tets, with fewer collapses and insertions than one for
-// so many bad tets, are enough.
-constexpr int kIdlePasses = 3;
+// A pass that leaves nearly all bad tets, with fewer collapses and insertions than one for so many bad tets,
+// was in vain.
 constexpr std::int64_t kIdlePart = 10;
-// Factors. Smoothing and insertions that gain less cost more time and tets than they are worth.
-constexpr double kSmoothingPays = 1.05, kInsertionPays = 1.2;
+// Factors. Smoothing and looks (below), and insertions, that gain less cost more time and tets than they are
+// worth.
+constexpr double kPays = 1.05, kInsertionPays = 1.2;
 
 // --- Looks (improve.cpp) ---
 
@@ -69,8 +66,6 @@ constexpr double kSmoothingPays = 1.05, kInsertionPays = 1.2;
 // another factor.
 constexpr double kLookAgain = 0.5;
 constexpr double kWorstOfAll = 1.5;
-constexpr double kLookPays = 1.05;
-constexpr int kMostLooks = 8;
 
 // --- Trades (improve.cpp, trade.cpp) ---
 
@@ -84,7 +79,6 @@ constexpr double kHopeless = 2.5;
 constexpr double kABitMore = 1.0005, kABitLess = 0.998;
 // A pass that changes fewer than one in so many bad tets is the last one.
 constexpr std::int64_t kTetsPerChange = 50;
-constexpr int kMostTradePasses = 8;
 
 // --- The worst places (worst_places.cpp) ---
 
@@ -112,13 +106,12 @@ struct Budget {
 };
 // Attempts to mend a tet in vain by the dear means; successes; and changes made on walks (below).
 constexpr Budget kDear{40, 2000}, kLifts{60, 150}, kSteps{300, 300, 2000};
-// After one change: attempts by the dear means, and tets that are mended.
-constexpr int kDearPerChange = 3, kMostMends = 60;
 // Changes that are tried at the same time, by as many threads as there are.
 constexpr std::int64_t kTrials = 8;
-// Where no change helps: walks of so many chosen at random, each mended, for one tet; and draws until one can
-// be made.
-constexpr std::int64_t kWalks = 60;
+// For one tet: tets that are mended after one change; and where no change helps, walks of several chosen at
+// random, each mended.
+constexpr int kTries = 60;
+// Changes of a walk, and draws until one can be made.
 constexpr int kWalkLength = 4, kDraws = 8;
 
 }  // namespace overtet

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "kernels/core/tet_tables.h"
+#include "kernels/core/tuning.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
 #include "kernels/tet_energy/tet_quality.h"
@@ -144,7 +145,7 @@ int mend(LocalOperations& work, double need, double goal, int most_dear, const M
     return true;
   };
   int dear = 0;
-  for (int mended = 0; mended < kMostMends; ++mended) {
+  for (int mended = 0; mended < kTries; ++mended) {
     Index t = -1;
     double least = goal;
     for (Index s = 0; s < mesh.tet_capacity(); ++s) {
@@ -274,7 +275,7 @@ bool lift(TetMesh& region, std::span<const char> kind, Index t, double target, i
     LocalOperations work(trial.part.complex);
     trial.part.mark_shared(work);
     if (!apply(work, at, changes[i], kChangeMayFallTo * worst)) return;
-    trial.spent = mend(work, kBetter * worst, goal, kDearPerChange, {true, true});
+    trial.spent = mend(work, kBetter * worst, goal, kInVain, {true, true});
     trial.better = better(low_qualities(work, goal), before);
   };
   const auto walk = [&](std::int64_t i, Trial& trial) {
@@ -290,14 +291,14 @@ bool lift(TetMesh& region, std::span<const char> kind, Index t, double target, i
       while (!apply(work, s, all[1 + random() % (all.size() - 1)], kChangeMayFallTo * worst))
         if (++draws == kDraws) break;
       if (draws == kDraws) continue;
-      mend(work, kBetter * worst, std::min(target, kNearWorst * worst), kDearPerChange, {false, i % 3 == 2});
+      mend(work, kBetter * worst, std::min(target, kNearWorst * worst), kInVain, {false, i % 3 == 2});
       const std::vector<double> low = low_qualities(work, goal);
       trial.better = better(low, before);
       if (!low.empty() && low.front() < kChangeMayFallTo * worst) return;
     }
   };
   if (!first_that_helps(start, static_cast<std::int64_t>(changes.size()), left.dear, one_change) &&
-      !first_that_helps(start, kWalks, left.steps, walk))
+      !first_that_helps(start, kTries, left.steps, walk))
     return false;
   put_parts(region, part_of, patch);
   return true;

@@ -14,6 +14,7 @@
 #include <set>
 #include <thread>
 
+#include "kernels/core/tuning.h"
 #include "src/io/tuning.h"
 
 namespace overtet {
@@ -185,7 +186,7 @@ Status AtomicFile::open_directly() {
       return error("write", code);
     if (std::chrono::steady_clock::now() > end)
       return Error{ErrorCode::io, "Cannot write " + path_ + ": it is a pipe that nothing reads from."};
-    std::this_thread::sleep_for(kReaderPeriod);
+    std::this_thread::sleep_for(kLookPeriod);
   }
   // Only opening must not wait: writes do, for who reads slowly.
   const int flags = ::fcntl(fd_, F_GETFL);

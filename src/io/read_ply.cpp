@@ -13,7 +13,24 @@ namespace {
 
 enum class Type { i8, u8, i16, u16, i32, u32, f32, f64 };
 
-constexpr std::array<int, 8> kSize = {1, 1, 2, 2, 4, 4, 4, 8};
+// Of a number, in bytes.
+int size_of(Type type) {
+  switch (type) {
+    case Type::i8:
+    case Type::u8:
+      return 1;
+    case Type::i16:
+    case Type::u16:
+      return 2;
+    case Type::i32:
+    case Type::u32:
+    case Type::f32:
+      return 4;
+    case Type::f64:
+      break;
+  }
+  return 8;
+}
 
 std::optional<Type> type_named(std::string_view s) {
   constexpr std::pair<std::string_view, Type> names[] = {
@@ -95,7 +112,7 @@ class BinarySource final : public Source {
  public:
   BinarySource(std::string_view body, bool swap) : p_(body.data()), end_(p_ + body.size()), swap_(swap) {}
   bool next(Type type, double& x) override {
-    const int size = kSize[static_cast<std::size_t>(type)];
+    const int size = size_of(type);
     if (end_ - p_ < size) return fail("the file ends inside " + which());
     x = load_number(p_, type, swap_);
     p_ += size;
@@ -293,7 +310,7 @@ Status check_header(std::string_view name, const Header& header, std::int64_t bo
     std::int64_t each = 0;
     int coordinates = 0, lists = 0;
     for (const Property& p : e.properties) {
-      each += text ? 2 : kSize[static_cast<std::size_t>(p.list ? p.count_type : p.type)];
+      each += text ? 2 : size_of(p.list ? p.count_type : p.type);
       if (!p.list && (p.name == "x" || p.name == "y" || p.name == "z")) ++coordinates;
       if (index_list(p)) ++lists;
     }

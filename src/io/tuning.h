@@ -7,10 +7,8 @@
 
 namespace overtet {
 
-// How long is waited for someone to read from a pipe, and between two looks: who is started together with us
-// may be a little later.
+// How long is waited for someone to read from a pipe: who is started together with us may be a little later.
 constexpr auto kReaderWait = std::chrono::seconds(2);
-constexpr auto kReaderPeriod = std::chrono::milliseconds(10);
 // Blocks of lines that are formatted at the same time and then written.
 constexpr std::int64_t kTextBlocks = 32;
 // Bytes that are gathered before they are written.

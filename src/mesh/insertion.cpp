@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "kernels/core/tuning.h"
 #include "kernels/core/union_find.h"
 #include "kernels/predicates/predicates.h"
 #include "kernels/tet_energy/tet_quality.h"
@@ -193,7 +194,8 @@ bool LocalOperations::seen_once(const Vector3d& x) const {
   const auto from_x = [&](Index v) -> Vector3d { return mesh_.position(v) - x; };
   const Face& first = hull_.front();
   const Vector3d d = from_x(first[0]) + from_x(first[1]) + from_x(first[2]);
-  const double size = kNearAnEdge * d.cwiseAbs().maxCoeff();
+  // A direction that passes an edge in an angle of about so much may belong to either side.
+  const double size = kRounding * d.cwiseAbs().maxCoeff();
   int met = 0;
   bool clear = true;
   for (const Face& f : hull_) {
@@ -306,7 +308,7 @@ bool LocalOperations::insert_circumcentre(Index t) {
   };
   Index at = t, from = -1;
   for (int step = 0;; ++step) {
-    if (step == kLongestWalk) return false;
+    if (step == kMostRounds) return false;  // round in circles, where tets are not Delaunay
     Index beyond = at;
     for (int k = 0; k < 4 && beyond == at; ++k)
       if (const Index u = mesh_.neighbour(at, k); u != from && !sees(inner_face(at, k))) beyond = u;

@@ -175,7 +175,7 @@ bool LocalOperations::reconnect(Index t, double gain) {
   for (const Index v : corners) {
     if (fixed_[v]) continue;
     mesh_.star(v, cavity_);
-    if (cavity_.size() <= kMostTetsAround && refill(cavity_, how)) return true;
+    if (cavity_.size() <= kMostTetsFilled && refill(cavity_, how)) return true;
   }
   // What lies around it, as long as the points are few enough: first the neighbours that bring no new ones,
   // and of these the worst. The last cavity that was a ball.
@@ -183,7 +183,7 @@ bool LocalOperations::reconnect(Index t, double gain) {
   std::vector<Index> points(corners.begin(), corners.end());
   std::size_t good = 0;
   const auto has_point = [&](Index v) { return std::find(points.begin(), points.end(), v) != points.end(); };
-  while (cavity_.size() < kMostTetsAround) {
+  while (cavity_.size() < kMostTetsFilled) {
     Index next = -1;
     std::pair<int, double> least;
     for (const Index c : cavity_)

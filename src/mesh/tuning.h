@@ -22,12 +22,6 @@ constexpr std::size_t kLargestTradeCavity = 24;
 constexpr int kMostGrowth = 10;
 // Tets. Where a Delaunay cavity is larger, something is wrong with the walk to it.
 constexpr std::size_t kLargestDelaunayCavity = 20000;
-// Tets around a place that is filled anew: the time grows exponentially.
-constexpr std::size_t kMostTetsAround = 40;
-// Tets. A walk towards a point may go round in circles where tets are not Delaunay.
-constexpr int kLongestWalk = 100;
-// Radians, about: a direction that passes an edge in a smaller angle may belong to either side.
-constexpr double kNearAnEdge = 1e-10;
 // Of the square of the radius of the smallest sphere through a boundary face: nearer vertices are not
 // inserted. (All of it leaves too few vertices near the boundary.)
 constexpr double kEncroaching = 0.5;

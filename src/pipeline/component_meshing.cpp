@@ -6,7 +6,9 @@
 #include <utility>
 
 #include "kernels/core/assertions.h"
+#include "kernels/core/tuning.h"
 #include "src/cdt/tetgen.h"
+#include "src/cdt/tuning.h"
 #include "src/immersion/immersion.h"
 #include "src/pipeline/stage_clock.h"
 #include "src/pipeline/tuning.h"
@@ -171,7 +173,7 @@ class PartsMesher {
     for (const Piece& piece : done_) look_at(piece.group);
     std::stable_sort(carriers.begin(), carriers.end(),
                      [](const Carrier& a, const Carrier& b) { return a.size < b.size; });
-    if (carriers.size() > kMostCarriers) carriers.resize(kMostCarriers);
+    if (carriers.size() > kInVain) carriers.resize(kInVain);
     for (const Carrier& carrier : carriers) {
       Group both = carrier.group;
       both.push_back(part);

@@ -55,7 +55,7 @@ Result<ReverseFlowResult> flow_back(const MeshingJob& r, const ForwardFlowResult
           for (std::size_t i = 0; i < forward.states.size(); ++i)
             stages.push_back(forward.state(r.surface.V, i));
         options.max_work = kReverseWork + kReverseWorkOfFace * static_cast<double>(r.surface.F.rows());
-        options.max_seconds = std::min(options.max_seconds, kWayBackTime * r.context.seconds_left());
+        options.max_seconds = std::min(options.max_seconds, kHalfTime * r.context.seconds_left());
         Result<ReverseFlowResult> back =
             reverse_flow(r.surface, forward.V, stages, forward.reverse_free, options, r.context);
         if (!back) return back;

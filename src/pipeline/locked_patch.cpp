@@ -6,6 +6,7 @@
 #include <map>
 
 #include "kernels/core/assertions.h"
+#include "kernels/core/tuning.h"
 #include "src/mesh/tet_complex.h"
 #include "src/mesh/topology.h"
 #include "src/pipeline/tuning.h"
@@ -58,7 +59,7 @@ SubSurface patch_around(const Surface& surface, const std::vector<FacePair>& pai
     if (sum < best) best = sum, nearest = f;
   }
   patch.add(nearest);
-  for (int ring = 0; ring < kLockedRings; ++ring) patch.grow();
+  for (int ring = 0; ring < kRings; ++ring) patch.grow();
   std::vector<Index> crossed;
   for (const auto& [f, g] : pairs) {
     if (patch.has(f)) crossed.push_back(g);
@@ -157,8 +158,8 @@ LockedSolid solid_around(const TetMesh& mesh, const VertexMatrix& target, const 
     return corners;
   };
   std::vector<Index> seeds = away;
-  for (int ring = 0; ring < kLockedRings; ++ring) seeds = add_stars(seeds);
-  for (int repair = 0; repair < kSolidRepairs; ++repair) {
+  for (int ring = 0; ring < kRings; ++ring) seeds = add_stars(seeds);
+  for (int repair = 0; repair < kMostRounds; ++repair) {
     LockedSolid patch = cut_out(mesh, target, in);
     std::vector<Index> pinched = pinched_at(patch.target);
     if (pinched.empty() && require_topology(patch.target)) return patch;

@@ -88,8 +88,9 @@ Result<MeshedSurface> repair_by_parts(const Surface& surface, const std::vector<
       repaired.V.row(part.vertices[v]) = mesh.V.row(static_cast<Eigen::Index>(v));
     meshes.push_back({part.vertices, std::move(mesh)});
   }
-  constexpr double kAsItIs = 0;  // each has been improved
-  Result<TetMesh> whole = finish_given({repaired, kAsItIs, context, records}, united(repaired.V, meshes));
+  // Each has been improved.
+  const FinishingJob job{.input = repaired, .improve_degrees = 0, .context = context, .records = records};
+  Result<TetMesh> whole = finish_given(job, united(repaired.V, meshes));
   if (!whole) return whole.error();
   return MeshedSurface{std::move(whole).value(), moves.all()};
 }

@@ -8,6 +8,9 @@
 #include "src/pipeline/stage_clock.h"
 #include "src/pipeline/tuning.h"
 #include "src/repair/lessening.h"
+#include "src/repair/repair.h"
+#include "src/repair/tuning.h"
+#include "src/volume_map/tuning.h"
 
 namespace overtet {
 
@@ -31,7 +34,7 @@ void say_more_time_would_help(const RepairJob& job) {
 class RoundTimer {
  public:
   explicit RoundTimer(const RepairJob& job)
-      : job_(job), start_(Clock::now()), seconds_(kRoundsTime * job.context.seconds_left()) {}
+      : job_(job), start_(Clock::now()), seconds_(kHalfTime * job.context.seconds_left()) {}
 
   // Whether there is time for another round; noted where there is not.
   bool time_left() const {
@@ -59,10 +62,10 @@ class MovingLess {
   MovingLess(const RepairJob& job, RepairedMesh& best) : job_(job), timer_(job), best_(best) {}
 
   Status run() {
-    const bool gentle = best_.moves.max_relative <= kGentle;
+    const bool gentle = best_.moves.max_relative <= RepairOptions().gentle_relative_move;
     const std::size_t moved = best_.moves.vertices.size();
     if (gentle && moved <= kFew) return success();
-    most_rounds_ = !gentle ? kRounds : moved > kMany ? kGentleRounds : 0;
+    most_rounds_ = !gentle ? kRounds : moved > kMany ? 1 : 0;
     for (int time = 0; time < kStraightBack; ++time) {
       Result<bool> in_time = rounds();
       if (!in_time) return in_time.error();
@@ -116,7 +119,7 @@ class MovingLess {
     const Pull::Pace pace = idle >= 2 ? Pull::Pace::slow : Pull::Pace::quick;
     const double allowed = job_.allowed(), most = best_.moves.max_relative;
     Pull pull{pace, allowed, Pull::Aim::home};
-    if (most > allowed) pull = {pace, std::max(kNearer * most, kNearlyAllowed * allowed), Pull::Aim::nearer};
+    if (most > allowed) pull = {pace, std::max(kNearer * most, kWithin * allowed), Pull::Aim::nearer};
     Result<std::optional<RepairedMesh>> nearer = pull_of(*fresh.value(), pull);
     if (!nearer || from.state != State::brought_nearer) return nearer;
     // What was only brought nearer has not tried to go home from there yet.
@@ -156,7 +159,7 @@ class MovingLess {
     if (context.deadline != Clock::time_point::max())
       context.deadline =
           Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                             std::chrono::duration<double>(kWayBackTime * context.seconds_left()));
+                             std::chrono::duration<double>(kHalfTime * context.seconds_left()));
     return timed_stage("lessen", job_.records, job_.context,
                        [&](StageRecord& record) -> Result<LessenResult> {
                          Result<LessenResult> r = lessen(job_.surface, from.surface.V, {}, context);

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "kernels/core/tuning.h"
 #include "src/certificates/diagnose.h"
 #include "src/immersion/immersion.h"
 #include "src/improve/improve.h"
@@ -79,8 +80,8 @@ class NearbySurface {
 
   Result<TetMesh> run() {
     for (const Nudge& nudge :
-         {Nudge{Nudge::Direction::outward, kNudge}, Nudge{Nudge::Direction::random, kNudge},
-          Nudge{Nudge::Direction::random, kSmallNudge}}) {
+         {Nudge{Nudge::Direction::outward, kNudges[0]}, Nudge{Nudge::Direction::random, kNudges[0]},
+          Nudge{Nudge::Direction::random, kNudges[1]}}) {
       Result<TetMesh> nearby = mesh_of(nudged(job_.surface, nudge));
       if (nearby) nearby = brought_home(std::move(nearby).value());
       if (nearby || ends_run(nearby.error())) return nearby;
@@ -111,12 +112,12 @@ class NearbySurface {
       for (int round = 0;; ++round) {
         std::optional<TetMesh> locked;
         VolumeMapOptions options;
-        options.work = kHomeWork;
+        options.work = kRoundsWork;
         options.on_locked = [&](const TetMesh& at, const std::vector<Index>&) { locked = at; };
         Result<VolumeMapResult> r = volume_map(mesh, job_.surface.V, {}, options, job_.context);
         record.iterations = round + 1;
         if (r) return std::move(r.value().mesh);
-        if (!locked || round + 1 == kPulls) return r.error();
+        if (!locked || round + 1 == kInVain) return r.error();
         mesh = std::move(*locked);
         Result<ImproveResult> better = improve(mesh, {}, job_.context);
         if (!better) return better.error();

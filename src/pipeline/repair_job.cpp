@@ -1,12 +1,15 @@
 #include "src/pipeline/repair_job.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
+#include "src/cdt/tuning.h"
 #include "src/pipeline/finishing.h"
 #include "src/pipeline/stage_clock.h"
 #include "src/pipeline/surface_run.h"
 #include "src/pipeline/tuning.h"
+#include "src/repair/repair.h"
 #include "src/volume_map/volume_map.h"
 
 namespace overtet {
@@ -47,7 +50,8 @@ RepairedMesh measured(const RepairJob& job, TetMesh mesh) {
 }
 
 double cost(const RepairJob& job, const Moves& moves) {
-  if (moves.max_relative > job.allowed()) return kTooFar * moves.max_relative;
+  // To be too far costs more than anything else.
+  if (moves.max_relative > job.allowed()) return std::numeric_limits<float>::max() * moves.max_relative;
   const auto n = static_cast<double>(moves.vertices.size());
   return n * n * moves.max_relative * moves.mean_relative;
 }
@@ -55,7 +59,7 @@ double cost(const RepairJob& job, const Moves& moves) {
 bool better(const Moves& a, const Moves& b) {
   const auto total = [](const Moves& m) { return static_cast<double>(m.vertices.size()) * m.mean_relative; };
   return a.vertices.size() <= b.vertices.size() && total(a) < total(b) &&
-         a.max_relative <= std::max(b.max_relative, kGentle);
+         a.max_relative <= std::max(b.max_relative, RepairOptions().gentle_relative_move);
 }
 
 bool repairable(const Error& e) {
@@ -85,7 +89,7 @@ Result<std::optional<RepairedMesh>> pulled(const RepairJob& job, const RepairedM
     options.pull_growth = 4;
   }
   options.largest_move = pull.largest_move * job.diagonal;
-  options.seconds = std::min(options.seconds, kWayBackTime * job.context.seconds_left());
+  options.seconds = std::min(options.seconds, kHalfTime * job.context.seconds_left());
   Result<VolumeMapResult> map = timed_stage(
       "volume_map", job.records, job.context, [&](StageRecord& record) -> Result<VolumeMapResult> {
         Result<VolumeMapResult> r = volume_map(from.mesh, job.surface.V, {}, options, job.context);

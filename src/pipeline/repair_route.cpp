@@ -41,7 +41,7 @@ struct WayOut {
 };
 
 // The way of the flow ends at a mesh, whatever the input is, as long as it does not face inwards.
-constexpr std::array kWaysOut = {
+const std::array ways_out = {
     WayOut{.shrink = WayOut::Shrink::little, .gently = true},
     WayOut{.reach = WayOut::Reach::far, .shrink = WayOut::Shrink::none},
     WayOut{},
@@ -67,11 +67,12 @@ class Repairing {
     const double least = least_relative_move();
     if (auto stop = job_.context.stop()) return *stop;
     if (least > job_.allowed())
+      // Three digits that are printed are never more than it.
       return with_percent(" To repair the surface, some vertex would have to move by at least ",
-                          kDown * least, " % of the diagonal.");
+                          0.995 * least, " % of the diagonal.");
     bool moved_less = false;              // the nearest
     std::optional<RepairedMesh> nearest;  // of those that went too far
-    for (const WayOut& way : kWaysOut) {
+    for (const WayOut& way : ways_out) {
       if (way.only_if_far_did && !found_surface_) continue;
       Result<std::optional<RepairedMesh>> there_and_back = try_way(way);
       if (!there_and_back) return there_and_back.error();
@@ -178,7 +179,7 @@ class Repairing {
   Result<std::optional<RepairedMesh>> move_away(const WayOut& way) {
     RepairOptions options = options_of(way, job_.allowed());
     options.place = unglued_;
-    for (int round = 0; round < kRepairs; ++round) {
+    for (int round = 0; round < kRounds; ++round) {
       Result<RepairResult> fixed = smoothed(options);
       if (!fixed) {
         // Not closed, and the like: what the first look said is better. A stop is a stop.

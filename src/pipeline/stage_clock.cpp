@@ -17,15 +17,15 @@ double cpu_seconds() {
 
 KernelCounts KernelCounts::now() {
   KernelCounts out;
-  for (int i = 0; i < kCounts; ++i) out.values[i] = counted(static_cast<Count>(i));
+  for (std::size_t i = 0; i < out.values.size(); ++i) out.values[i] = counted(static_cast<Count>(i));
   return out;
 }
 
 void KernelCounts::add_since(const KernelCounts& before, std::vector<Figure>& figures) const {
-  static constexpr const char* kNames[kCounts] = {"exact_evaluations", "tested_pairs", "contacts",
-                                                  "factorisations", "factor_nonzeros"};
-  for (int i = 0; i < kCounts; ++i)
-    if (const std::int64_t n = values[i] - before.values[i]; n > 0) figures.emplace_back(kNames[i], n);
+  static const char* const names[] = {"exact_evaluations", "tested_pairs", "contacts", "factorisations",
+                                      "factor_nonzeros"};
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (const std::int64_t n = values[i] - before.values[i]; n > 0) figures.emplace_back(names[i], n);
 }
 
 }  // namespace overtet

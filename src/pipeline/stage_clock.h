@@ -15,7 +15,7 @@ double cpu_seconds();  // of this process and its children that have ended
 
 // What the kernels have counted so far, and what of it is new since then, as figures.
 struct KernelCounts {
-  std::array<std::int64_t, kCounts> values{};
+  std::array<std::int64_t, static_cast<std::size_t>(Count::end)> values{};
   static KernelCounts now();
   void add_since(const KernelCounts& before, std::vector<Figure>& figures) const;
 };

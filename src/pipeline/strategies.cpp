@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "src/cdt/tuning.h"
 #include "src/immersion/immersion.h"
 #include "src/pipeline/component_meshing.h"
 #include "src/pipeline/flow_route.h"
@@ -97,7 +98,7 @@ Result<TetMesh> mesh_flowed(const MeshingJob& job) {
   return mesh ? std::move(mesh) : Result<TetMesh>(in_input_space(job, mesh.error()));
 }
 
-constexpr std::array kStrategies = {
+const std::array all = {
     Strategy{"tet mesh", [](const MeshingJob& job) { return is_plain(job.diagnosis); }, mesh_clean,
              Strategy::Failure::of_this_way},
     Strategy{"parts",
@@ -116,6 +117,6 @@ constexpr std::array kStrategies = {
 
 }  // namespace
 
-std::span<const Strategy> strategies() { return kStrategies; }
+std::span<const Strategy> strategies() { return all; }
 
 }  // namespace overtet

@@ -11,15 +11,12 @@ namespace {
 
 using Reach = SmoothingStep::Reach;
 
-constexpr int kLevels = static_cast<int>(std::size(kLadder));
-
 // How many steps of the ladder come before those of this reach.
 constexpr int first_of(Reach reach) {
   int level = 0;
   while (kLadder[level].reach != reach) ++level;
   return level;
 }
-constexpr int kCreaseLevel = first_of(Reach::crease), kGentleLevel = first_of(Reach::far) - 1;
 
 }  // namespace
 
@@ -77,7 +74,8 @@ Offence Clusters::crease_around(const Surface& now, const Diagnosis& diagnosis, 
 
 // Up the ladder that the vertex is on.
 void Clusters::rise(Index v, int steps) {
-  const int last = (state_.level[v] < kCreaseLevel ? kCreaseLevel : kLevels) - 1;
+  const int last =
+      (state_.level[v] < first_of(Reach::crease) ? first_of(Reach::crease) : std::ssize(kLadder)) - 1;
   if (state_.level[v] + steps > last) exhausted_ = true;
   state_.level[v] = std::min(state_.level[v] + steps, last);
 }
@@ -123,18 +121,18 @@ bool Clusters::assign(const Surface& now, const Findings& found, const std::vect
     if (level < 0)
       for (const Cluster& c : all_)
         if (sorted_share(c.region, g)) {
-          if (c.level + 1 == kCreaseLevel || c.level + 1 == kLevels) exhausted_ = true;
+          if (c.level + 1 == first_of(Reach::crease) || c.level + 1 == std::ssize(kLadder)) exhausted_ = true;
           level = std::max(level, exhausted_ ? c.level : c.level + 1);
         }
     if (level < 0 && static_cast<double>(members[group]) > kDense * static_cast<double>(g.size())) {
-      level = kCreaseLevel;
+      level = first_of(Reach::crease);
       g = crease_around(now, found.diagnosis, g);
     }
     for (const Index v : g) state_.level[v] = std::max({state_.level[v], level, 0});
   }
   for (std::size_t v = 0; v < state_.level.size(); ++v)
-    if ((turned_near[v] || (options_.only_gently && state_.level[v] < kCreaseLevel)) &&
-        state_.level[v] > kGentleLevel)
+    if ((turned_near[v] || (options_.only_gently && state_.level[v] < first_of(Reach::crease))) &&
+        state_.level[v] >= first_of(Reach::far))
       exhausted_ = true;
   return !exhausted_;
 }
@@ -164,9 +162,9 @@ void Clusters::go_on(const VertexMatrix& base, const VertexMatrix& now, const st
   const std::vector<Index> around = rings_.grown(seeds, 1, scratch_);
   // A crease goes as a whole.
   for (const Cluster& c : all_)
-    if (c.level >= kCreaseLevel && sorted_share(c.region, around)) {
+    if (c.level >= first_of(Reach::crease) && sorted_share(c.region, around)) {
       for (const Index v : c.region)
-        if (state_.level[v] >= kCreaseLevel) rise(v, 1), state_.pinned[v] = 1;
+        if (state_.level[v] >= first_of(Reach::crease)) rise(v, 1), state_.pinned[v] = 1;
       return;
     }
   int level = -1;
@@ -179,7 +177,7 @@ void Clusters::go_on(const VertexMatrix& base, const VertexMatrix& now, const st
 }
 
 bool Clusters::pinned(const Cluster& c) const {
-  return c.level >= kCreaseLevel ||
+  return c.level >= first_of(Reach::crease) ||
          std::any_of(c.region.begin(), c.region.end(), [&](Index v) { return state_.pinned[v] != 0; });
 }
 
@@ -187,7 +185,7 @@ void Clusters::place(const VertexMatrix& base) {
   const auto n = static_cast<std::size_t>(input_.V.rows());
   std::vector<float> part(n, 0);
   std::vector<int> level(n, -1);
-  for (int l = 0; l < kLevels; ++l) {
+  for (int l = 0; l < std::ssize(kLadder); ++l) {
     std::vector<Index> seeds;
     for (std::size_t v = 0; v < n; ++v)
       if (state_.level[v] == l) seeds.push_back(static_cast<Index>(v));

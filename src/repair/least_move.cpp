@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "kernels/bvh/bvh.h"
+#include "kernels/core/tuning.h"
 #include "src/exact/winding.h"
 #include "src/mesh/topology.h"
 #include "src/repair/ray_hit.h"
@@ -47,7 +48,7 @@ class Balls {
     std::vector<Start> starts = half_way_to_the_other_wall(context);
     std::stable_sort(starts.begin(), starts.end(),
                      [](const Start& a, const Start& b) { return a.width > b.width; });
-    if (starts.size() > kMostStarts) starts.resize(kMostStarts);
+    if (starts.size() > kMostTried) starts.resize(kMostTried);
     for (const Start& start : starts) {
       if (context.stop()) break;
       const LeastMove ball = grown(start);
@@ -55,7 +56,7 @@ class Balls {
       const auto w = winding_.at(ball.at.data());
       if (w && *w < 0) best = ball;
     }
-    if (best) best->distance *= 1 - kRoundingOfDistances;
+    if (best) best->distance *= 1 - kRounding;
     return best;
   }
 
@@ -76,7 +77,7 @@ class Balls {
     };
     for (const auto& [f, g] : diagnosis_.winding.negative_at) look_at(f), look_at(g);
     std::vector<Start> starts;
-    for (std::size_t i = 0; i < std::min(list.size(), kMostFacesLookedAt); ++i) {
+    for (std::size_t i = 0; i < std::min(list.size(), kMostFlooded); ++i) {
       if (i % 256 == 0 && context.stop()) break;
       const Vector3d a = corner(list[i], 0), b = corner(list[i], 1), c = corner(list[i], 2);
       const Vector3d n = (b - a).cross(c - a).normalized(), p = (a + b + c) / 3 + kAhead * diagonal_ * n;
@@ -113,7 +114,7 @@ class Balls {
   // The centre goes where there is more room, without leaving the ball, so the winding number stays.
   LeastMove grown(const Start& start) {
     LeastMove ball{distance(start.at, start.width), start.at};
-    for (double step = ball.distance / 2; step > kBallPrecision * ball.distance && work_ < kMostBallWork;) {
+    for (double step = ball.distance / 2; step > kPrecise * ball.distance && work_ < kMostBallWork;) {
       LeastMove next = ball;
       for (int x = -1; x <= 1; ++x)
         for (int y = -1; y <= 1; ++y)
@@ -122,7 +123,7 @@ class Balls {
             const Vector3d to = ball.at + step * Vector3d(x, y, z).normalized();
             if (const double d = distance(to, ball.distance + step); d > next.distance) next = {d, to};
           }
-      if (next.distance > (1 + kBallPrecision) * ball.distance)
+      if (next.distance > (1 + kPrecise) * ball.distance)
         ball = next;
       else
         step /= 2;

@@ -154,7 +154,7 @@ Status Lessening::judge(const std::vector<Trial>& trials, std::vector<char>& acc
       if (known && !bad[trials[i].group]) fine.push_back(i);
     if (!fine.empty())
       open.push_back(std::move(fine));
-    else if (set.size() <= kOneByOne)
+    else if (set.size() <= kMostTried)
       for (auto i = set.rbegin(); i != set.rend(); ++i) open.push_back({*i});
   }
   return success();
@@ -267,7 +267,7 @@ Status Lessening::go() {
     gather();
     if (Status s = batches(by_move(true), 0.5); !s) return s;
     const double now = total();
-    if (now > (1 - kPassPays) * before) break;
+    if (now > kGains * before) break;
     before = now;
   }
   return success();
@@ -277,7 +277,7 @@ Result<LessenResult> Lessening::run() {
   const VertexMatrix start = now_.V;
   std::vector<Offence> offences;
   Status done = look(now_.V, offences);
-  if (done && offences.empty() && kFewestLooks * work_ <= options_.work) done = go();
+  if (done && offences.empty() && work_ <= options_.work) done = go();
   if (!done && done.error().code != ErrorCode::limit) return done.error();
   out_.cut_by_time = !done;
   out_.lessened = now_.V != start;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/core/tuning.h"
 #include "src/exact/winding.h"
 #include "src/mesh/flat_faces.h"
 #include "src/repair/tuning.h"
@@ -19,7 +20,7 @@ Offence flooded(const Surface& now, const Diagnosis& diagnosis, const VertexRing
   std::vector<char> seen(now.V.rows(), 0);
   Offence all = seed, queue = seed;
   for (const Index v : seed) seen[v] = 1;
-  const double ahead = kAheadOfVertex * diagonal;
+  const double ahead = kRounding * diagonal;
   while (!queue.empty() && all.size() < kMostFlooded) {
     Offence next;
     for (const Index v : queue)
@@ -54,7 +55,7 @@ Result<Findings> find_offences(const Surface& surface, const VertexRings& rings,
   std::vector<Offence>& offences = found.offences;
   const auto corners = [&](Index f) { return Offence{surface.F(f, 0), surface.F(f, 1), surface.F(f, 2)}; };
   const Eigen::RowVector3d centre = (surface.V.colwise().minCoeff() + surface.V.colwise().maxCoeff()) / 2;
-  for (const Index f : flat_faces(surface, kFlatFace, centre.cwiseAbs().maxCoeff()))
+  for (const Index f : flat_faces(surface, kRoundedLength, centre.cwiseAbs().maxCoeff()))
     offences.push_back(corners(f));
   DiagnoseOptions options;
   RunContext silent = context;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/core/tuning.h"
 #include "src/repair/clusters.h"
 #include "src/repair/offences.h"
 #include "src/repair/shrinking.h"
@@ -110,12 +111,12 @@ Status Repair::climb() {
   for (Index v = 0; v < static_cast<Index>(input_.V.rows()); ++v)
     if (base_.row(v) != input_.V.row(v)) turned.push_back(v);
   std::vector<char> scratch(static_cast<std::size_t>(input_.V.rows()), 0), turned_near = scratch;
-  for (const Index v : rings_.grown(turned, kTurnedRings, scratch)) turned_near[v] = 1;
+  for (const Index v : rings_.grown(turned, kRings, scratch)) turned_near[v] = 1;
   for (int round = 0; !found_.offences.empty() && round < options_.max_rounds; ++round) {
     if (!clusters_.assign(now_, found_, turned_near)) break;
     clusters_.place(base_);
     now_.V = clusters_.compose(base_);
-    if (Status s = look(out_.rounds.size() % kFloodRounds == 0 ? PokingOut::all : PokingOut::pairs); !s)
+    if (Status s = look(out_.rounds.size() % kFullLookEvery == 0 ? PokingOut::all : PokingOut::pairs); !s)
       return s;
     add_round();
   }

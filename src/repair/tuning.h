@@ -12,14 +12,10 @@ namespace overtet {
 
 // --- Where something is wrong (offences.cpp) ---
 
-// Of the diagonal: so far in front of a face, or of a vertex, the winding number is looked at.
-constexpr double kAhead = 1e-6, kAheadOfVertex = 1e-9;
-// Height over reach below which a face counts as one without area.
-constexpr double kFlatFace = 1e-14;
-// Vertices, or samples of faces, that a region of negative winding is followed over.
+// Of the diagonal: so far in front of a face the winding number is looked at (of a vertex, kRounding).
+constexpr double kAhead = 1e-6;
+// Vertices, faces or samples of faces that a region of negative winding is followed over.
 constexpr std::size_t kMostFlooded = 200000;
-// Every so many rounds all of what pokes out is looked for.
-constexpr int kFloodRounds = 4;
 
 // --- Smoothing (smoothing.cpp, clusters.cpp) ---
 
@@ -89,8 +85,11 @@ constexpr double kCreases[] = {0.0, 0.3, 0.5, 0.7, 0.85, 0.95};
 constexpr double kStretches[] = {4, 10};
 // Of a part's area that must have negative winding in front: the rest may lie inside other parts.
 constexpr double kNegativeShare = 0.25;
-// Parts that are tried, the largest first, and faces that one has at least.
-constexpr std::size_t kMostTurnedParts = 8, kFewestFaces = 4;
+// Tried one by one, the most promising first: parts, and those that are turned one after the other; ways of
+// turning them that are kept; groups that are refused together, and balls that are made larger (both below).
+constexpr std::size_t kMostTried = 8;
+// Faces that a part has at least.
+constexpr std::size_t kFewestFaces = 4;
 // Samples of one face.
 constexpr int kMostSamples = 40;
 // Directions across a part, over half a turn.
@@ -103,36 +102,21 @@ constexpr double kStay = 1e-3;
 // that follow.
 constexpr double kThickness[] = {0.3, 0.2, 0.1, 0.5, 0.05};
 constexpr int kFollowers[] = {0, 1, 3, 6};
-// Parts that are turned, one after the other.
-constexpr int kMostTurns = 6;
-// Ways of turning a part that are looked at closely, and that are kept.
-constexpr std::size_t kRefinedTurns = 3, kMostTurnTrials = 8;
-// Rings around turned parts in which only gentle steps are taken.
-constexpr int kTurnedRings = 3;
 
 // --- Moving less (lessening.cpp) ---
 
 // Height over longest edge: no face gets thinner than this, or than it is.
 constexpr double kThinnestFace = 1e-3;
-// Looks at the whole surface that there must be time for: fewer gain nothing.
-constexpr int kFewestLooks = 10;
 // Of lengths and factors.
 constexpr int kBisections = 5;
-// So many groups that are refused together are looked at by themselves.
-constexpr std::size_t kOneByOne = 8;
-// Passes over single vertices; one that shortens the moves by less than this part, altogether, is the last.
+// Passes over single vertices.
 constexpr int kLessenPasses = 4;
-constexpr double kPassPays = 0.02;
+// What a pass, or a round of the pipeline, leaves at most of the moves to count as one that gains.
+constexpr double kGains = 0.97;
 
 // --- The least move (least_move.cpp) ---
 
-// Faces in front of which a ball of negative winding is looked for, and balls that are made larger.
-constexpr std::size_t kMostFacesLookedAt = 20000, kMostStarts = 8;
-// Of the ball's radius: the shortest step, and what counts as larger.
-constexpr double kBallPrecision = 1e-3;
 // Distances to faces, altogether: a second or so.
 constexpr std::int64_t kMostBallWork = 20'000'000;
-// Of distances, far more than their rounding: what is said is never too much.
-constexpr double kRoundingOfDistances = 1e-9;
 
 }  // namespace overtet

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "kernels/core/tuning.h"
 #include "src/repair/tuning.h"
 
 namespace overtet {
@@ -53,7 +54,7 @@ class TurnSearch {
         diagnosis_(found.diagnosis) {}
 
   Result<TurnedSurfaces> run() {
-    for (int turns = 0; turns < kMostTurns && diagnosis_.winding.negative_pairs > 0; ++turns) {
+    for (std::size_t turns = 0; turns < kMostTried && diagnosis_.winding.negative_pairs > 0; ++turns) {
       const std::vector<InsideOutPart> parts = inside_out_parts(now_, diagnosis_, context_);
       if (auto stop = context_.stop()) return *stop;
       before_ = now_.V;
@@ -87,7 +88,7 @@ class TurnSearch {
       for (const Eigen::Vector3d& along : part.directions)
         if (Status s = attempt(part, along, kThickness[0], 0); !s) return s;
     sort_trials();
-    const std::size_t promising = std::min(kRefinedTurns, trials_.size());
+    const std::size_t promising = std::min(std::size_t{kInVain}, trials_.size());
     for (std::size_t i = 0; i < promising; ++i) {
       if (trials_[i].left == 0) continue;
       const InsideOutPart& part = *trials_[i].part;
@@ -126,7 +127,7 @@ class TurnSearch {
     std::stable_sort(trials_.begin(), trials_.end(), [](const Trial& x, const Trial& y) {
       return x.left != y.left ? x.left < y.left : x.farthest < y.farthest;
     });
-    if (trials_.size() > kMostTurnTrials) trials_.resize(kMostTurnTrials);
+    if (trials_.size() > kMostTried) trials_.resize(kMostTried);
   }
 
   const Surface& input_;

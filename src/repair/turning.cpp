@@ -123,7 +123,7 @@ class PartFinder {
     std::stable_sort(parts_.begin(), parts_.end(), [](const InsideOutPart& a, const InsideOutPart& b) {
       return a.negative_area > b.negative_area;
     });
-    if (parts_.size() > kMostTurnedParts) parts_.resize(kMostTurnedParts);
+    if (parts_.size() > kMostTried) parts_.resize(kMostTried);
     return std::move(parts_);
   }
 

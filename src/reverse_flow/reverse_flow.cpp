@@ -11,7 +11,9 @@
 #include "kernels/contact/contact.h"
 #include "kernels/core/assertions.h"
 #include "kernels/core/indices.h"
+#include "kernels/core/tuning.h"
 #include "kernels/laplacian/laplacian.h"
+#include "kernels/laplacian/tuning.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/sparse/cholesky.h"
 #include "src/reverse_flow/tuning.h"
@@ -33,7 +35,7 @@ Eigen::VectorXd mean_edges(const VertexMatrix& W, const TriangleMatrix& F) {
     }
   }
   const double mean = sum.sum() / std::max(1.0, count.sum());
-  return (sum.array() / count.array().max(1.0)).max(kEdgeFloor * mean).matrix();
+  return (sum.array() / count.array().max(1.0)).max(kSmallestShare * mean).matrix();
 }
 
 // The mesh of all faces with a free vertex, with numbers of its own: linear algebra sees only that.
@@ -204,7 +206,7 @@ class Reverse {
         return false;
       }
       standstill = record.move > 0 ? 0 : standstill + 1;
-      if (standstill >= kStandstill || (record.move < o_.still && record.halvings == 0)) break;
+      if (standstill >= kInVain || (record.move < o_.still && record.halvings == 0)) break;
     }
     return true;
   }
@@ -268,7 +270,7 @@ class Reverse {
     Equations e = equations(rest, U, before, force, record);
     VertexMatrix step;
     bool solved = false;
-    for (int tries = 0; tries <= kMoreMassTries && !solved; ++tries) {
+    for (int tries = 0; tries <= kInVain && !solved; ++tries) {
       if (tries > 0) e.diagonal += std::pow(kMoreMass, tries) * rest.mass;
       solved = rest.system.factor(e.entries, e.diagonal) && rest.system.solve(e.gradient, step) &&
                step.allFinite();
@@ -312,7 +314,7 @@ class Reverse {
     e.entries.reserve(6 * contacts.size());
     for (const Contact& c : contacts) {
       if (!(c.closest.distance > 0)) continue;
-      const double x = std::max(c.closest.distance / c.dhat, kSmallestRelativeDistance);
+      const double x = std::max(c.closest.distance / c.dhat, kSmallestShare);
       const double slope = o_.kappa * c.h * c.h / c.dhat * barrier_slope(x);
       const double stiffness = o_.kappa * c.h * c.h / (c.dhat * c.dhat) * barrier_curvature(x);
       const Eigen::RowVector3d direction = c.closest.difference.transpose() / c.closest.distance;
@@ -406,7 +408,7 @@ class Reverse {
       const std::vector<ContactMesh::Hit> hits = rest.mesh.check_step(U, P);
       if (hits.empty()) return true;
       ++record.halvings;
-      if (round == kPinRounds || context_.stop()) {
+      if (round == kMostRounds || context_.stop()) {
         P.setZero();
         return true;
       }

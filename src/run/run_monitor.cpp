@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "src/run/tuning.h"
+#include "kernels/core/tuning.h"
 
 namespace overtet {
 
@@ -91,7 +91,7 @@ void RunMonitor::watch() {
   std::unique_lock lock(mutex_);
   while (!ended_) {
     look();
-    wake_.wait_for(lock, kMonitorPeriod);
+    wake_.wait_for(lock, kLookPeriod);
   }
 }
 

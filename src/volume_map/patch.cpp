@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 
+#include "kernels/core/tuning.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
 #include "kernels/predicates/predicates.h"
@@ -250,10 +251,11 @@ double PatchNewton::assemble(const PatchForces& forces, const std::vector<double
         values[b.column[s] + r - (b.diagonal ? s : 0)] += entry(r, s);
   };
   double energy = 0, part = 0;
-  // Hessians are made by all threads, and added up in the order of the tets.
-  std::vector<TetEnergy> buffer(std::min(kBuffered, tets_.size()));
-  for (std::size_t first = 0; first < tets_.size(); first += kBuffered) {
-    const std::size_t n = std::min(kBuffered, tets_.size() - first);
+  // Hessians are made by all threads, a few megabytes at a time, and added up in the order of the tets.
+  constexpr std::size_t at_a_time = 2 * kLightGrain;
+  std::vector<TetEnergy> buffer(std::min(at_a_time, tets_.size()));
+  for (std::size_t first = 0; first < tets_.size(); first += at_a_time) {
+    const std::size_t n = std::min(at_a_time, tets_.size() - first);
     parallel_for(static_cast<std::int64_t>(n), kMediumGrain / 4, [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t i = begin; i < end; ++i) {
         const Corners& c = tets_[first + static_cast<std::size_t>(i)];
@@ -309,7 +311,7 @@ double PatchNewton::assemble(const PatchForces& forces, const std::vector<double
   // entry: tets of very different sizes may be in one patch, and tiny ones must not hold the others.
   for (Index v = 0; v < free_; ++v) {
     const Block b = block(v, v);
-    for (const int at : b.column) values[at] *= 1 + kRegularization;
+    for (const int at : b.column) values[at] *= 1 + kRounding;
   }
   return energy;
 }

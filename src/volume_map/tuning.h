@@ -11,12 +11,8 @@ namespace overtet {
 constexpr double kArmijo = 1e-4;
 // Of a step, in the search along it.
 constexpr int kHalvings = 14;
-// Tets whose Hessians are made at a time: a few megabytes.
-constexpr std::size_t kBuffered = 8192;
 // What a tet costs in a step, in entries of a factor.
 constexpr double kTetCost = 100;
-// Of the Hessian's diagonal, so that rounding does not make it indefinite.
-constexpr double kRegularization = 1e-9;
 
 // --- The pull (potential.h) ---
 
@@ -42,7 +38,7 @@ constexpr int kBranchRefinements = 2;
 
 // --- Spreading (volume_map.cpp) ---
 
-// The part of what is allowed that is aimed at; the first force; rings that may move.
+// The part of what is allowed that is aimed at, where that is near; the first force; rings that may move.
 constexpr double kWithin = 0.95, kSpreadPull = 3;
 constexpr int kSpreadRings = 8;
 // It ends when, going on as in the last so many rounds, it would not come to what is allowed.

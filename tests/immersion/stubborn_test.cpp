@@ -7,6 +7,7 @@
 #include <set>
 
 #include "kernels/bvh/self_intersections.h"
+#include "kernels/core/tuning.h"
 #include "kernels/predicates/predicates.h"
 #include "src/cdt/facet_recovery.h"
 #include "src/cdt/split_edges.h"
@@ -176,7 +177,7 @@ TEST(TetgenStubborn, AttemptsAreCounted) {
 
   Attempts attempts(TetgenOptions{});
   const Error endless{ErrorCode::unsolved, "", std::nullopt, ErrorReason::endless};
-  for (int i = 0; i < kMostEndless; ++i) {
+  for (int i = 0; i < kInVain; ++i) {
     EXPECT_TRUE(attempts.another_order());
     EXPECT_FALSE(attempts.count(1, endless).ok());
   }

@@ -20,10 +20,10 @@ std::set<std::string> meshed(const char* name) {
   }
   const Surface& s = read.value();
   const PipelineResult one = run_pipeline(s, {}, {}), many = run_pipeline(s, {}, [] {
-    RunContext context;
-    context.threads = 4;
-    return context;
-  }());
+                                                        RunContext context;
+                                                        context.threads = 4;
+                                                        return context;
+                                                      }());
   EXPECT_TRUE(one.ok()) << name << ": " << one.report.message;
   EXPECT_EQ(one.report.result_hash, many.report.result_hash);
   const VerifyResult v = verify(s, one.mesh);
@@ -33,8 +33,8 @@ std::set<std::string> meshed(const char* name) {
   return stages;
 }
 
-// An edge that has to be wound lies in another face, or on another edge: how much covers it is different on its
-// two sides, and the immersion does not wind it.
+// An edge that has to be wound lies in another face, or on another edge: how much covers it is different on
+// its two sides, and the immersion does not wind it.
 TEST(Feasible, EdgesThatCoincideWithSomethingWereNeverWound) {
   EXPECT_TRUE(meshed("wound_edges_in_faces.off").count("nearby_surface"));
   EXPECT_TRUE(meshed("wound_edges_on_edges.off").count("nearby_surface"));
