@@ -59,7 +59,7 @@ CLI::App* add_mesh(CLI::App& app, MeshCommand& mesh) {
       ->capture_default_str();
   command
       ->add_option("--preset", mesh.preset,
-                   "default: the immersion route, then the flow route if that finds no mesh; flow (or "
+                   "default: the immersion route, then the others if that finds no mesh; flow (or "
                    "paper): the flow route only")
       ->check(CLI::IsMember({"default", "flow", "paper"}))
       ->capture_default_str();
