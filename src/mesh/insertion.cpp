@@ -308,7 +308,7 @@ bool LocalOperations::insert_circumcentre(Index t) {
   };
   Index at = t, from = -1;
   for (int step = 0;; ++step) {
-    if (step == kMostRounds) return false;  // round in circles, where tets are not Delaunay
+    if (step == kLongestWalk) return false;
     Index beyond = at;
     for (int k = 0; k < 4 && beyond == at; ++k)
       if (const Index u = mesh_.neighbour(at, k); u != from && !sees(inner_face(at, k))) beyond = u;

@@ -22,6 +22,8 @@ constexpr std::size_t kLargestTradeCavity = 24;
 constexpr int kMostGrowth = 10;
 // Tets. Where a Delaunay cavity is larger, something is wrong with the walk to it.
 constexpr std::size_t kLargestDelaunayCavity = 20000;
+// Tets. A walk towards a point may go round in circles where tets are not Delaunay.
+constexpr int kLongestWalk = 100;
 // Of the square of the radius of the smallest sphere through a boundary face: nearer vertices are not
 // inserted. (All of it leaves too few vertices near the boundary.)
 constexpr double kEncroaching = 0.5;

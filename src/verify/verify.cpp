@@ -158,7 +158,7 @@ class Star {
     for (Index i = 0; i < n; ++i)
       if (vertices_[i] > v_ && rim_[i] == 0) order_.push_back(i);
     std::sort(order_.begin(), order_.end(), [&](Index a, Index b) { return vertices_[a] < vertices_[b]; });
-    side_.assign(static_cast<std::size_t>(n), kUnknown);
+    side_.assign(static_cast<std::size_t>(n), Side::unknown);
     const auto point = [&](Index v) { return x + 3 * static_cast<std::ptrdiff_t>(v); };
     const double* const from_point = point(v_);
     for (const Index other : order_) {
@@ -168,25 +168,25 @@ class Star {
       const auto wedge = [&](Index place, int k) { return triangle_[place - place % 3 + (place + k) % 3]; };
       const Index fixed = wedge(around_.places[begin], 1);
       const auto side = [&](Index y) {
-        if (side_[y] == kUnknown)
-          side_[y] = static_cast<signed char>(
-              orient3d(from_point, to_point, point(vertices_[y]), point(vertices_[fixed])));
+        if (side_[y] == Side::unknown)
+          side_[y] =
+              static_cast<Side>(orient3d(from_point, to_point, point(vertices_[y]), point(vertices_[fixed])));
         return side_[y];
       };
       int turns = 0;
       for (Index i = begin; i < end; ++i) {
         // The wedge [k, l) is less than half a turn wide.
         const Index k = wedge(around_.places[i], 1), l = wedge(around_.places[i], 2);
-        if ((k == fixed || side(k) >= 0) && l != fixed && side(l) < 0) ++turns;
+        if ((k == fixed || side(k) != Side::negative) && l != fixed && side(l) == Side::negative) ++turns;
       }
       for (Index i = begin; i < end; ++i)
-        for (int k = 1; k < 3; ++k) side_[wedge(around_.places[i], k)] = kUnknown;
+        for (int k = 1; k < 3; ++k) side_[wedge(around_.places[i], k)] = Side::unknown;
       visit(vertices_[other], turns);
     }
   }
 
  private:
-  static constexpr signed char kUnknown = 2;
+  enum class Side : signed char { negative = -1, zero, positive, unknown };  // of orient3d
 
   static std::size_t scattered(std::uint64_t key) { return (key * 0x9e3779b97f4a7c15u) >> 32; }
 
@@ -229,7 +229,7 @@ class Star {
   };
   Around around_;
   std::vector<Index> order_;
-  std::vector<signed char> side_;
+  std::vector<Side> side_;
 };
 
 // What the stars of a range of vertices show.
