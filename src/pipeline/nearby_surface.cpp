@@ -131,7 +131,7 @@ class NearbySurface {
 
 }  // namespace
 
-bool coincides(const MeshingJob& job) { return !job.diagnosis.pairs.empty() && !job.part_without_mesh; }
+bool may_coincide(const MeshingJob& job) { return !job.diagnosis.pairs.empty() && !job.part_without_mesh; }
 
 Result<TetMesh> mesh_by_nearby_surface(const MeshingJob& job) { return NearbySurface(job).run(); }
 

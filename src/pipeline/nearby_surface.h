@@ -16,8 +16,9 @@
 
 namespace overtet {
 
-// Whether something of the surface can coincide with something else.
-bool coincides(const MeshingJob& job);
+// Whether something of the surface may coincide with something else: what does crosses it, too. False where a
+// part is known to have no mesh by itself.
+bool may_coincide(const MeshingJob& job);
 
 // A positive tet mesh of the surface, not yet checked.
 Result<TetMesh> mesh_by_nearby_surface(const MeshingJob& job);

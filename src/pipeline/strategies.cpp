@@ -109,7 +109,7 @@ const std::array all = {
     Strategy{"immersion", [](const MeshingJob& job) { return job.preset == Preset::standard; }, mesh_immersed,
              Strategy::Failure::of_gluing},
     Strategy{"nearby surface",
-             [](const MeshingJob& job) { return job.preset == Preset::standard && coincides(job); },
+             [](const MeshingJob& job) { return job.preset == Preset::standard && may_coincide(job); },
              mesh_by_nearby_surface, Strategy::Failure::of_this_way},
     // What flows until nothing crosses fills each part by itself: of no use where one of them has no mesh.
     Strategy{"flow", [](const MeshingJob& job) { return !job.part_without_mesh; }, mesh_flowed,
