@@ -26,7 +26,7 @@ using RawSegment = IntersectionGraph::Segment;
 
 // Where third faces cross a segment. Where each of them does so with its inside, and the segment lies inside
 // its own two faces, the faces at that point name it, whichever segment it is found from.
-struct Cut {
+struct SegmentCut {
   double near = 0;  // the place, from 0 to 1
   std::optional<Rational> exact;
   int step = 0;  // of the winding number
@@ -89,13 +89,13 @@ class Tracer {
     }
   }
 
-  std::vector<Cut> cuts_of(Index number) const {
+  std::vector<SegmentCut> cuts_of(Index number) const {
     const RawSegment& s = graph_.segments()[number];
     const IntersectionGraph::Cuts& cuts = graph_.cuts(number);
-    std::vector<Cut> out;
+    std::vector<SegmentCut> out;
     for (const IntersectionGraph::Cut& c : cuts.places) {
       if (c.faces.empty()) continue;
-      Cut cut{c.near, c.exact, c.step, c.plain && !cuts.overlaid, c.faces, &c};
+      SegmentCut cut{c.near, c.exact, c.step, c.plain && !cuts.overlaid, c.faces, &c};
       if (!cut.exact && !cut.plain) {
         cut.exact = graph_.place(rays_, number, c);
         cut.near = cut.exact->get_d();
@@ -127,7 +127,7 @@ class Tracer {
   // Of a node of a curve: a node of segments, or where third faces cut one.
   struct Place {
     Index node;
-    const Cut* cut;
+    const SegmentCut* cut;
   };
   // One curve.
   struct Course {
@@ -225,7 +225,7 @@ class Tracer {
         const int k = step.enters == 0 ? i : n - i;  // piece k lies between cuts k - 1 and k
         Piece piece{step.segment, k};
         if (i > 0) {
-          const Cut& before = cuts[step.enters == 0 ? k - 1 : k];
+          const SegmentCut& before = cuts[step.enters == 0 ? k - 1 : k];
           piece.follows = before.plain;
           piece.step = step.enters == 0 ? before.step : -before.step;
           CurveNode out;
@@ -380,10 +380,10 @@ class Tracer {
 
   std::pair<Rational, Rational> range(const Piece& piece) const {
     const FoundOn& found = found_on_[piece.segment];
-    const auto place = [&](const Cut& cut) {
+    const auto place = [&](const SegmentCut& cut) {
       return cut.exact ? *cut.exact : graph_.place(rays_, found.number, *cut.origin);
     };
-    const std::vector<Cut>& cuts = found.cuts;
+    const std::vector<SegmentCut>& cuts = found.cuts;
     const std::size_t k = static_cast<std::size_t>(piece.number);
     return {k == 0 ? Rational(0) : place(cuts[k - 1]), k == cuts.size() ? Rational(1) : place(cuts[k])};
   }
@@ -422,7 +422,7 @@ class Tracer {
 
   struct FoundOn {  // a segment
     Index number;   // in the graph
-    std::vector<Cut> cuts;
+    std::vector<SegmentCut> cuts;
     bool overlaid;  // third faces run along it
   };
 

@@ -24,7 +24,7 @@ using Edge = std::pair<Index, Index>;  // smaller vertex first
 
 Edge edge_of(Index a, Index b) { return {std::min(a, b), std::max(a, b)}; }
 
-struct Cuts {
+struct TolerantCuts {
   std::vector<Index> points;  // in its inside
   std::vector<Edge> segments;
 };
@@ -348,9 +348,9 @@ class TolerantCutter {
         place.emplace(v, a + Scalar(t) * (b - a));
       }
     }
-    static const Cuts kNone;
+    static const TolerantCuts kNone;
     const auto found = cuts_.find(f);
-    const Cuts& cuts = found == cuts_.end() ? kNone : found->second;
+    const TolerantCuts& cuts = found == cuts_.end() ? kNone : found->second;
     for (const Index v : cuts.points) place.emplace(v, flat(v));
 
     Triangulation triangulation;
@@ -394,7 +394,7 @@ class TolerantCutter {
   const double near_;
   ToleranceRound round_;
   std::map<Edge, std::vector<Index>> on_edge_;
-  std::map<Index, Cuts> cuts_;
+  std::map<Index, TolerantCuts> cuts_;
   std::map<Cell, std::vector<Index>> cells_;  // vertices, by cells of the tolerance's size
 };
 

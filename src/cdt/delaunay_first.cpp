@@ -18,12 +18,11 @@
 #include "src/cdt/delaunay_match.h"
 #include "src/cdt/domain_parts.h"
 #include "src/cdt/tuning.h"
+#include "src/cdt/unsolved.h"
 
 namespace overtet {
 
 namespace {
-
-Error unsolved(std::string message) { return Error{ErrorCode::unsolved, std::move(message)}; }
 
 // More than 12 members: seven of them are names for fields of DelaunayMatch, whose state this goes on
 // changing.

@@ -13,12 +13,11 @@
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
 #include "src/cdt/tuning.h"
+#include "src/cdt/unsolved.h"
 
 namespace overtet {
 
 namespace {
-
-Error unsolved(std::string message) { return Error{ErrorCode::unsolved, std::move(message)}; }
 
 // Boxes with about equally many points in each, by halving along the longest side.
 class Halving {

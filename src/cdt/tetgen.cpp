@@ -23,6 +23,7 @@
 #include "src/cdt/tetgen_helper.h"
 #include "src/cdt/tetgen_wire.h"
 #include "src/cdt/tuning.h"
+#include "src/cdt/unsolved.h"
 
 extern char** environ;
 
@@ -152,8 +153,6 @@ class Child {
   pid_t pid_ = -1;
   rusage usage_{};
 };
-
-Error unsolved(std::string message) { return Error{ErrorCode::unsolved, std::move(message)}; }
 
 // Why the child left without an answer.
 Error explain_end(int status, const RunContext& context) {

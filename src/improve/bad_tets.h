@@ -1,10 +1,12 @@
-// The tets that a pass works on, the worst one first.
+// How bad tets are, and those that a pass works on, the worst one first.
 #pragma once
 
 #include <algorithm>
 #include <optional>
 #include <vector>
 
+#include "kernels/tet_energy/tet_quality.h"
+#include "overtet/types.h"
 #include "src/mesh/tet_complex.h"
 
 namespace overtet {
@@ -17,6 +19,11 @@ struct BadTet {
   // Numbers are reused: is it still the tet that was meant?
   bool still_in(const TetComplex& mesh) const { return mesh.alive(tet) && mesh.tet(tet) == corners; }
 };
+
+inline double quality(const TetMesh& mesh, Index t) {
+  return min_dihedral_sine(mesh.V.row(mesh.T(t, 0)), mesh.V.row(mesh.T(t, 1)), mesh.V.row(mesh.T(t, 2)),
+                           mesh.V.row(mesh.T(t, 3)));
+}
 
 // rank(t): a std::optional<double>, nothing for tets that are good enough.
 template <class Rank>

@@ -10,6 +10,7 @@
 #include "kernels/core/tuning.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
+#include "src/improve/bad_tets.h"
 #include "src/improve/passes.h"
 #include "src/improve/refine.h"
 #include "src/improve/trade.h"
@@ -111,11 +112,6 @@ std::vector<Index> around(const TetMesh& mesh, std::vector<char> near) {
   for (Index t = 0; t < mesh.T.rows(); ++t)
     if (chosen[t]) tets.push_back(t);
   return tets;
-}
-
-double quality(const TetMesh& mesh, Index t) {
-  return min_dihedral_sine(mesh.V.row(mesh.T(t, 0)), mesh.V.row(mesh.T(t, 1)), mesh.V.row(mesh.T(t, 2)),
-                           mesh.V.row(mesh.T(t, 3)));
 }
 
 double radius_edge(const TetMesh& mesh, Index t) {

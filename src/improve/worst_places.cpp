@@ -12,6 +12,7 @@
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
 #include "kernels/tet_energy/tet_quality.h"
+#include "src/improve/bad_tets.h"
 #include "src/improve/tuning.h"
 #include "src/mesh/local_operations.h"
 #include "src/mesh/partition.h"
@@ -26,11 +27,6 @@ using Corners = std::array<Index, 4>;
 
 Corners corners_of(const TetMesh& mesh, Index t) {
   return {mesh.T(t, 0), mesh.T(t, 1), mesh.T(t, 2), mesh.T(t, 3)};
-}
-
-double quality(const TetMesh& mesh, Index t) {
-  return min_dihedral_sine(mesh.V.row(mesh.T(t, 0)), mesh.V.row(mesh.T(t, 1)), mesh.V.row(mesh.T(t, 2)),
-                           mesh.V.row(mesh.T(t, 3)));
 }
 
 // 0 for the tets within some layers around the vertices, -1 for others.
@@ -128,10 +124,10 @@ bool apply(LocalOperations& work, Index t, const Change& change, double enough) 
 
 // Makes the tets below the goal better, the worst first; those below `need` by dear means, too, which is
 // given up after a few in vain. Returns how many these were, at most most_dear.
-struct Means {
+struct Measures {
   bool refill, insert_around;  // the dearest ones are among them
 };
-int mend(LocalOperations& work, double need, double goal, int most_dear, const Means& means) {
+int mend(LocalOperations& work, double need, double goal, int most_dear, const Measures& measures) {
   const TetComplex& mesh = work.mesh();
   std::vector<char> stuck(mesh.tet_capacity(), 0);
   work.be_thorough(true);
@@ -171,11 +167,11 @@ int mend(LocalOperations& work, double need, double goal, int most_dear, const M
       if (!done && (work.collapse(c[i], c[j]) || work.collapse(c[j], c[i]))) done = changed();
     if (!done && work.quality(t) < need) {
       if (dear == most_dear) break;
-      if (means.refill && work.reconnect(t)) done = changed();
+      if (measures.refill && work.reconnect(t)) done = changed();
       for (const auto& [i, j] : kTetEdge)
         if (!done && work.insert_at_edge(t, c[i], c[j])) done = changed();
       if (!done && work.insert_at_tet(t)) done = changed();
-      if (!done && means.insert_around && work.insert_around(t)) done = changed();
+      if (!done && measures.insert_around && work.insert_around(t)) done = changed();
       if (!done) ++dear;
     }
     if (!done && !moved) stuck[t] = 1;

@@ -19,7 +19,7 @@ namespace overtet {
 namespace {
 
 // A tet's box, for cuts across the axes.
-struct Box {
+struct TetBox {
   float low[3], high[3];
   Index tet;
   int weight;
@@ -41,7 +41,7 @@ struct Places {
 struct Ruler {
   float begin = 0, scale = 0;
   int place(float x) const { return std::clamp(static_cast<int>((x - begin) * scale), 0, kPlaces - 1); }
-  int middle(const Box& b, int axis) const { return place((b.low[axis] + b.high[axis]) / 2); }
+  int middle(const TetBox& b, int axis) const { return place((b.low[axis] + b.high[axis]) / 2); }
 };
 
 // The part's tets around a shared edge, for the comparison with its ring.
@@ -106,12 +106,13 @@ void find_pinched(MeshPart& part, const std::vector<char>& shared) {
 }
 
 // The boxes of the chosen tets.
-std::vector<Box> boxes_of(const TetMesh& mesh, std::span<const Index> chosen, std::span<const int> weight) {
-  std::vector<Box> boxes(chosen.size());
+std::vector<TetBox> boxes_of(const TetMesh& mesh, std::span<const Index> chosen,
+                             std::span<const int> weight) {
+  std::vector<TetBox> boxes(chosen.size());
   parallel_for(static_cast<std::int64_t>(chosen.size()), kLightGrain,
                [&](std::int64_t begin, std::int64_t end) {
                  for (std::int64_t i = begin; i < end; ++i) {
-                   Box& b = boxes[i];
+                   TetBox& b = boxes[i];
                    b.tet = chosen[i];
                    b.weight = weight.empty() ? 1 : weight[i];
                    for (int k = 0; k < 3; ++k) {
@@ -131,7 +132,7 @@ struct Extent {
   std::array<float, 3> low, high;
 };
 
-Extent extent_of(std::span<const Box> boxes) {
+Extent extent_of(std::span<const TetBox> boxes) {
   Extent none;
   none.low.fill(HUGE_VALF), none.high.fill(-HUGE_VALF);
   return parallel_reduce(
@@ -157,14 +158,14 @@ Extent extent_of(std::span<const Box> boxes) {
 using Rulers = std::array<Ruler, 3>;
 using AllPlaces = std::array<Places, 3>;
 
-AllPlaces places_of(std::span<const Box> boxes, const Rulers& rulers) {
+AllPlaces places_of(std::span<const TetBox> boxes, const Rulers& rulers) {
   return parallel_reduce(
       static_cast<std::int64_t>(boxes.size()), 4 * kLightGrain, AllPlaces{},
       [&](std::int64_t begin, std::int64_t end) {
         AllPlaces p{};
         for (std::int64_t i = begin; i < end; ++i)
           for (int k = 0; k < 3; ++k) {
-            const Box& b = boxes[i];
+            const TetBox& b = boxes[i];
             p[k].low[rulers[k].place(b.low[k])] += b.weight;
             p[k].high[rulers[k].place(b.high[k])] += b.weight;
             p[k].middle[rulers[k].middle(b, k)] += b.weight;
@@ -202,11 +203,11 @@ std::optional<Cut> best_cut(const AllPlaces& places, double wanted, double most_
 }
 
 // Sorts along the longest side; returns how many first ones have the wanted weight.
-std::size_t cut_exactly(std::span<Box> boxes, const Extent& extent, double wanted) {
+std::size_t cut_exactly(std::span<TetBox> boxes, const Extent& extent, double wanted) {
   int axis = 0;
   for (int k = 1; k < 3; ++k)
     if (extent.high[k] - extent.low[k] > extent.high[axis] - extent.low[axis]) axis = k;
-  std::sort(boxes.begin(), boxes.end(), [axis](const Box& x, const Box& y) {
+  std::sort(boxes.begin(), boxes.end(), [axis](const TetBox& x, const TetBox& y) {
     const float p = x.low[axis] + x.high[axis], q = y.low[axis] + y.high[axis];
     return p != q ? p < q : x.tet < y.tet;
   });
@@ -226,10 +227,10 @@ void MeshPart::mark_shared(LocalOperations& work) const {
 std::vector<int> cut_apart(const TetMesh& mesh, std::span<const Index> chosen, int parts, double slack,
                            std::span<const int> weight) {
   std::vector<int> part_of(static_cast<std::size_t>(mesh.T.rows()), -1);
-  std::vector<Box> boxes = boxes_of(mesh, chosen, weight);
-  const auto cut = [&](const auto& self, std::span<Box> here, int first, int count) -> void {
+  std::vector<TetBox> boxes = boxes_of(mesh, chosen, weight);
+  const auto cut = [&](const auto& self, std::span<TetBox> here, int first, int count) -> void {
     if (count == 1 || here.empty()) {
-      for (const Box& b : here) part_of[b.tet] = first;
+      for (const TetBox& b : here) part_of[b.tet] = first;
       return;
     }
     const Extent extent = extent_of(here);
@@ -247,7 +248,7 @@ std::vector<int> cut_apart(const TetMesh& mesh, std::span<const Index> chosen, i
       const Ruler ruler = rulers[best->axis];
       middle = static_cast<std::size_t>(
           std::partition(here.begin(), here.end(),
-                         [&](const Box& b) { return ruler.middle(b, best->axis) < best->place; }) -
+                         [&](const TetBox& b) { return ruler.middle(b, best->axis) < best->place; }) -
           here.begin());
     } else {
       middle = cut_exactly(here, extent, wanted);  // few tets, or large ones

@@ -22,11 +22,9 @@ struct Named {
   double rounding;  // how far pieces may be off their face, relative to the model's size
 };
 
-Surface shifted(const Surface& s, double x, double y, double z) {
-  return test::transformed(s, Eigen::Matrix3d::Identity(), Point(x, y, z));
-}
+using test::shifted;
 
-std::vector<Named> models() {
+std::vector<Named> named_models() {
   const Surface tube = test::capsule(2, 0.5, 12), cube = test::box(2);
   return {
       {"sphere", test::sphere(1), 0},
@@ -66,7 +64,7 @@ bool same_bytes(const Matrix& a, const Matrix& b) {
 }
 
 TEST(Arrangement, HasNoIntersectionsAndNoTwoTrianglesAlike) {
-  for (const Named& m : models()) {
+  for (const Named& m : named_models()) {
     SCOPED_TRACE(m.name);
     const Arrangement a = arranged(m.surface);
     EXPECT_TRUE(find_self_intersections(a.V, a.F).empty());
@@ -84,7 +82,7 @@ TEST(Arrangement, HasNoIntersectionsAndNoTwoTrianglesAlike) {
 }
 
 TEST(Arrangement, KeepsInputPositionsFirstAndToTheLastBit) {
-  for (const Named& m : models()) {
+  for (const Named& m : named_models()) {
     SCOPED_TRACE(m.name);
     const Arrangement a = arranged(m.surface);
     const Surface& s = m.surface;
@@ -104,7 +102,7 @@ TEST(Arrangement, KeepsInputPositionsFirstAndToTheLastBit) {
 }
 
 TEST(Arrangement, PiecesLieInTheirFacesAndCoverThem) {
-  for (const Named& m : models()) {
+  for (const Named& m : named_models()) {
     SCOPED_TRACE(m.name);
     const Arrangement a = arranged(m.surface);
     const Surface& s = m.surface;
@@ -133,7 +131,7 @@ TEST(Arrangement, PiecesLieInTheirFacesAndCoverThem) {
 
 // Along every edge as many sheets come as go: the winding number is the same on every way around it.
 TEST(Arrangement, SheetsCloseAroundEveryEdge) {
-  for (const Named& m : models()) {
+  for (const Named& m : named_models()) {
     SCOPED_TRACE(m.name);
     const Arrangement a = arranged(m.surface);
     std::map<std::pair<Index, Index>, int> along;
@@ -151,7 +149,7 @@ TEST(Arrangement, SheetsCloseAroundEveryEdge) {
 }
 
 TEST(Arrangement, IsTheSameEveryTime) {
-  for (const Named& m : models()) {
+  for (const Named& m : named_models()) {
     SCOPED_TRACE(m.name);
     const Arrangement a = arranged(m.surface), b = arranged(m.surface);
     EXPECT_TRUE(same_bytes(a.V, b.V));
@@ -164,7 +162,7 @@ TEST(Arrangement, IsTheSameEveryTime) {
 }
 
 TEST(Arrangement, ScalingByPowersOfTwoScalesIt) {
-  for (const Named& m : models()) {
+  for (const Named& m : named_models()) {
     SCOPED_TRACE(m.name);
     const Arrangement a = arranged(m.surface);
     for (const double scale : {0x1p-40, 0x1p13}) {
@@ -181,7 +179,7 @@ TEST(Arrangement, ScalingByPowersOfTwoScalesIt) {
 // Turning the axes is exact too. Where cuts end up within rounding of each other the numbers may differ, so
 // only models whose arrangement needs one round are compared.
 TEST(Arrangement, TurningTheAxesTurnsIt) {
-  for (const Named& m : models()) {
+  for (const Named& m : named_models()) {
     SCOPED_TRACE(m.name);
     const Arrangement a = arranged(m.surface);
     Surface s = m.surface;

@@ -9,36 +9,22 @@
 #include <set>
 
 #include "kernels/parallel/parallel.h"
-#include "src/arrangement/intersection_graph.h"
 #include "src/certificates/winding_range.h"
 #include "src/covering/hinges.h"
 #include "src/exact/winding.h"
-#include "tests/support/models.h"
+#include "tests/arrangement/studied.h"
 #include "tests/support/noise.h"
 
 namespace overtet {
 namespace {
 
-struct Traced {
-  Surface surface;
-  SurfaceTopology topology;
-  TriangleBvh bvh;
-  std::vector<FacePair> pairs;
-  IntersectionGraph graph;
-  Curves curves;
-  explicit Traced(Surface s)
-      : surface(std::move(s)),
-        topology(require_topology(surface).value()),
-        bvh(surface.V, surface.F),
-        pairs(find_self_intersections(surface.V, surface.F)),
-        graph(surface, topology, bvh, pairs),
-        curves(trace_curves(surface, bvh, graph, {}).value()) {}
-};
+using test::shifted;
+using test::three_spheres;
 
-Surface shifted(Surface s, double x, double y, double z) {
-  s.V.rowwise() += Eigen::RowVector3d(x, y, z);
-  return s;
-}
+struct Traced : test::Studied {
+  Curves curves;
+  explicit Traced(Surface s) : Studied(std::move(s)), curves(trace_curves(surface, bvh, graph, {}).value()) {}
+};
 
 // A thin tube that passes through a thick one: in and out.
 Surface crossing_tubes() {
@@ -49,11 +35,6 @@ Surface crossing_tubes() {
   const Eigen::RowVector3d shift = tube.V.colwise().mean() - other.V.colwise().mean();
   other.V.rowwise() += shift + Eigen::RowVector3d(0.013, 0.027, 0.011);
   return test::joined(tube, other);
-}
-
-Surface three_spheres() {
-  return test::joined(test::joined(test::sphere(2), shifted(test::sphere(2), 0.73, 0.11, 0.07)),
-                      shifted(test::sphere(2), 0.31, 0.67, 0.13));
 }
 
 Eigen::Vector3d vec(const std::array<double, 3>& p) { return {p[0], p[1], p[2]}; }
@@ -238,7 +219,7 @@ TEST(Curves, ElbowsGoFromHingeToHinge) {
 }
 
 TEST(Curves, ThreeSpheresMeetInTriplePoints) {
-  const Traced x(three_spheres());
+  const Traced x(three_spheres(2));
   check(x);
   check_windings(x);
   EXPECT_EQ(x.curves.curves.size(), 3u);

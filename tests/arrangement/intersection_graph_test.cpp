@@ -6,7 +6,7 @@
 #include <set>
 
 #include "kernels/parallel/parallel.h"
-#include "tests/support/models.h"
+#include "tests/arrangement/studied.h"
 
 namespace overtet {
 namespace {
@@ -15,22 +15,8 @@ using exact::Point;
 using exact::Rational;
 using exact::Rays;
 using exact::Vec;
-
-struct Studied {
-  Surface surface;
-  SurfaceTopology topology;
-  TriangleBvh bvh;
-  std::vector<FacePair> pairs;
-  Rays rays;
-  IntersectionGraph graph;
-  explicit Studied(Surface s)
-      : surface(std::move(s)),
-        topology(require_topology(surface).value()),
-        bvh(surface.V, surface.F),
-        pairs(find_self_intersections(surface.V, surface.F)),
-        rays(surface.V, surface.F, bvh),
-        graph(surface, topology, bvh, pairs) {}
-};
+using test::Studied;
+using test::three_spheres;
 
 // By rational arithmetic alone: 1 inside the face, 0 on its border, -1 elsewhere.
 int where(const Rays& rays, Index f, const Vec& x) {
@@ -44,15 +30,9 @@ int where(const Rays& rays, Index f, const Vec& x) {
   return out;
 }
 
-// Three spheres that cross each other: third faces cut their curves.
-Surface three_spheres() {
-  const auto at = [](double x, double y, double z) { return test::sphere(1, 1, {x, y, z}); };
-  return test::joined(test::joined(at(0, 0, 0), at(0.73, 0.11, 0.07)), at(0.31, 0.67, 0.13));
-}
-
 std::vector<Surface> models() {
   return {test::elbow(150, 12), test::elbow(110, 10, 0.4), test::curled_worm(420, 8),
-          test::saucer(2),      test::two_spheres(1),      three_spheres()};
+          test::saucer(2),      test::two_spheres(1),      three_spheres(1)};
 }
 
 TEST(IntersectionGraph, SegmentsEndOnBothFaces) {

@@ -10,7 +10,7 @@
 namespace overtet {
 namespace {
 
-constexpr unsigned kSeed = 2024;
+constexpr unsigned kTreeSeed = 2024;
 using Pair = std::pair<Index, Index>;
 
 // What floats may add to a box on each side.
@@ -62,8 +62,8 @@ std::vector<Pair> self_pairs(const BoxTree& tree) {
 }
 
 TEST(BoxTree, PairsAreThoseOfBruteForceOnAnyThreadsAlsoAfterARefit) {
-  SCOPED_TRACE(kSeed);
-  std::mt19937 random(kSeed);
+  SCOPED_TRACE(kTreeSeed);
+  std::mt19937 random(kTreeSeed);
   for (const Spread spread : {Spread::even, Spread::clustered, Spread::one_place})
     for (const int n : {0, 1, 2, 16, 17, 100, 700, 5000}) {
       if (spread == Spread::one_place && n > 700) continue;
@@ -99,7 +99,7 @@ TEST(BoxTree, PairsAreThoseOfBruteForceOnAnyThreadsAlsoAfterARefit) {
 }
 
 TEST(BoxTree, LargeTreesAreTheSameOnAnyThreads) {
-  std::mt19937 random(kSeed + 1);
+  std::mt19937 random(kTreeSeed + 1);
   const std::vector<Box> boxes = random_boxes(150000, Spread::even, random);
   std::vector<Pair> pairs;
   std::vector<Index> order;
@@ -120,7 +120,7 @@ TEST(BoxTree, LargeTreesAreTheSameOnAnyThreads) {
 }
 
 TEST(BoxTree, OnlyPairsWithAnActiveItem) {
-  std::mt19937 random(kSeed + 2);
+  std::mt19937 random(kTreeSeed + 2);
   const std::vector<Box> boxes = random_boxes(900, Spread::clustered, random);
   std::vector<std::uint8_t> active(boxes.size());
   for (std::size_t i = 0; i < active.size(); ++i) active[i] = i % 11 == 0;
@@ -157,8 +157,8 @@ int meets(const Box& box, const double* o, const double* d) {
 }
 
 TEST(BoxTree, QueriesMissNothing) {
-  SCOPED_TRACE(kSeed);
-  std::mt19937 random(kSeed + 3);
+  SCOPED_TRACE(kTreeSeed);
+  std::mt19937 random(kTreeSeed + 3);
   std::uniform_real_distribution<double> unit(-0.2, 1.2);
   for (const Spread spread : {Spread::even, Spread::clustered}) {
     const std::vector<Box> boxes = random_boxes(3000, spread, random);

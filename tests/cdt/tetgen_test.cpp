@@ -22,7 +22,7 @@
 namespace overtet {
 namespace {
 
-Plc plc_of(const Surface& s) { return {s.V, s.F, {}, {}}; }
+Plc unmarked(const Surface& s) { return {s.V, s.F, {}, {}}; }
 
 // Rounded once: differences of doubles of like size are exact in 113 bits.
 double volume6(const VertexMatrix& V, const TetMatrix& T, Eigen::Index t) {
@@ -35,7 +35,7 @@ double volume6(const VertexMatrix& V, const TetMatrix& T, Eigen::Index t) {
                              e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]));
 }
 
-void expect_sound(const TetgenResult& r, const Plc& plc) {
+void expect_positive(const TetgenResult& r, const Plc& plc) {
   ASSERT_GE(r.V.rows(), plc.V.rows());
   EXPECT_EQ(0, std::memcmp(r.V.data(), plc.V.data(), sizeof(double) * plc.V.size()));
   for (Eigen::Index t = 0; t < r.T.rows(); ++t) ASSERT_GT(volume6(r.V, r.T, t), 0) << "tet " << t;
@@ -72,10 +72,10 @@ TEST(Tetgen, BoxAndSphereAreFilledWithPositiveTets) {
     for (const bool quality : {false, true}) {
       TetgenOptions options;
       options.quality = quality;
-      const Plc plc = plc_of(s);
+      const Plc plc = unmarked(s);
       const auto r = tetrahedralize(plc, options, {});
       ASSERT_TRUE(r.ok()) << r.error().message;
-      expect_sound(r.value(), plc);
+      expect_positive(r.value(), plc);
       EXPECT_EQ(s.F.rows(), r.value().facets.rows());
       double sum = 0, surface = 0;
       for (Eigen::Index t = 0; t < r.value().T.rows(); ++t) sum += volume6(r.value().V, r.value().T, t);
@@ -90,10 +90,10 @@ TEST(Tetgen, BoxAndSphereAreFilledWithPositiveTets) {
 
 TEST(Tetgen, ScaleByPowersOfTwoChangesNoBit) {
   const Surface s = test::torus_surface(20, 10, 2, .7);
-  const auto one = tetrahedralize(plc_of(s), {}, {});
+  const auto one = tetrahedralize(unmarked(s), {}, {});
   ASSERT_TRUE(one.ok());
   for (const int e : {-700, -30, 11, 600}) {
-    Plc plc = plc_of(s);
+    Plc plc = unmarked(s);
     plc.V = plc.V.unaryExpr([e](double x) { return std::ldexp(x, e); });
     const auto other = tetrahedralize(plc, {}, {});
     ASSERT_TRUE(other.ok()) << other.error().message;
@@ -116,7 +116,7 @@ TEST(Tetgen, InternalFacetsMarkersHolesAndHull) {
   TetgenOptions options;
   auto r = tetrahedralize(plc, options, {});
   ASSERT_TRUE(r.ok()) << r.error().message;
-  expect_sound(r.value(), plc);
+  expect_positive(r.value(), plc);
   ASSERT_EQ(24, r.value().facets.rows());
   for (int f = 0; f < 24; ++f) {
     EXPECT_EQ(r.value().facet_markers[f], r.value().facet_sources[f] < 12 ? 7 : 9);
@@ -141,9 +141,9 @@ TEST(Tetgen, InternalFacetsMarkersHolesAndHull) {
 
   options.fill_convex_hull = true;
   const Surface torus = test::torus_surface(24, 12, 2, .7);
-  r = tetrahedralize(plc_of(torus), options, {});
+  r = tetrahedralize(unmarked(torus), options, {});
   ASSERT_TRUE(r.ok()) << r.error().message;
-  expect_sound(r.value(), plc_of(torus));
+  expect_positive(r.value(), unmarked(torus));
   EXPECT_GT(volume(r.value()), 1.2 * 2 * M_PI * M_PI * 2 * .7 * .7);
 }
 
@@ -153,7 +153,7 @@ TEST(Tetgen, BadInputIsAnErrorThatNamesTheElement) {
     return r.ok() ? std::string("ok")
                   : std::to_string(static_cast<int>(r.error().code)) + " " + r.error().message;
   };
-  Plc plc = plc_of(test::sphere_surface(1));
+  Plc plc = unmarked(test::sphere_surface(1));
   Plc bad = plc;
   bad.V(3, 1) = std::nan("");
   EXPECT_EQ('3', code(bad)[0]) << code(bad);
@@ -174,18 +174,18 @@ TEST(Tetgen, BadInputIsAnErrorThatNamesTheElement) {
 
 // What kills the library must only kill the child: every answer here is an error, and no child stays.
 TEST(Tetgen, CrashesStayInTheChild) {
-  Plc open = plc_of(test::sphere_surface(1));
+  Plc open = unmarked(test::sphere_surface(1));
   open.F.conservativeResize(open.F.rows() - 1, 3);
-  Plc crossing = plc_of(test::box_surface(1, 1, 1));
+  Plc crossing = unmarked(test::box_surface(1, 1, 1));
   crossing.V.conservativeResize(16, 3);
   crossing.V.bottomRows(8) = (crossing.V.topRows(8).array() * 0.9 + 0.3).matrix();
   crossing.F.conservativeResize(24, 3);
   crossing.F.bottomRows(12) = (crossing.F.topRows(12).array() + 8).matrix();
-  Plc twice = plc_of(test::sphere_surface(1));
+  Plc twice = unmarked(test::sphere_surface(1));
   const auto F = twice.F;
   twice.F.resize(2 * F.rows(), 3);
   twice.F << F, F;
-  Plc flat = plc_of(test::sphere_surface(1));
+  Plc flat = unmarked(test::sphere_surface(1));
   flat.V.col(2).setZero();
   for (Eigen::Index i = 0; i < flat.V.rows(); ++i) flat.V(i, 0) += 1e-3 * i;
   for (const Plc& plc : {open, crossing, twice, flat}) {
@@ -203,7 +203,7 @@ TEST(Tetgen, StopsForCancelDeadlineAndMemory) {
   options.radius_edge = 1.1;
   RunContext context;
   context.deadline = RunContext::Clock::now();  // over by the time anybody looks
-  auto r = tetrahedralize(plc_of(s), options, context);
+  auto r = tetrahedralize(unmarked(s), options, context);
   ASSERT_FALSE(r.ok());
   EXPECT_EQ(ErrorCode::limit, r.error().code);
 
@@ -216,7 +216,7 @@ TEST(Tetgen, StopsForCancelDeadlineAndMemory) {
     while (!over && children_of(getpid()).empty()) std::this_thread::yield();
     cancel = true;
   });
-  r = tetrahedralize(plc_of(s), options, context);
+  r = tetrahedralize(unmarked(s), options, context);
   over = true;
   canceller.join();
   ASSERT_FALSE(r.ok());
@@ -224,7 +224,7 @@ TEST(Tetgen, StopsForCancelDeadlineAndMemory) {
 
   context = {};
   context.memory_limit_bytes = 1;
-  r = tetrahedralize(plc_of(s), options, context);
+  r = tetrahedralize(unmarked(s), options, context);
   ASSERT_FALSE(r.ok());
   EXPECT_EQ(ErrorCode::limit, r.error().code) << r.error().message;
   EXPECT_EQ(0, static_cast<int>(children_of(getpid()).size()));
@@ -232,7 +232,7 @@ TEST(Tetgen, StopsForCancelDeadlineAndMemory) {
 
 // A killed program leaves no TetGen running behind it.
 TEST(Tetgen, TheChildDiesWithItsParent) {
-  const Plc plc = plc_of(test::sphere_surface(6));
+  const Plc plc = unmarked(test::sphere_surface(6));
   const pid_t middle = fork();
   ASSERT_GE(middle, 0);
   if (middle == 0) {
@@ -262,7 +262,7 @@ TEST(Tetgen, TheChildDiesWithItsParent) {
 
 // Its work is counted, so that where it is given up does not depend on the machine.
 TEST(Tetgen, WorkIsTheSameEveryTime) {
-  const Plc plc = plc_of(test::sphere_surface(2));
+  const Plc plc = unmarked(test::sphere_surface(2));
   const auto first = tetrahedralize(plc, {}, {}), again = tetrahedralize(plc, {}, {});
   ASSERT_TRUE(first.ok() && again.ok());
   EXPECT_GT(first.value().predicates, plc.F.rows());
@@ -272,7 +272,7 @@ TEST(Tetgen, WorkIsTheSameEveryTime) {
 TEST(Tetgen, WorkWithoutEndIsGivenUp) {
   TetgenOptions options;
   options.patience = 1e-7;
-  const auto r = tetrahedralize(plc_of(test::sphere_surface(2)), options, {});
+  const auto r = tetrahedralize(unmarked(test::sphere_surface(2)), options, {});
   ASSERT_FALSE(r.ok());
   EXPECT_EQ(ErrorCode::unsolved, r.error().code);
   EXPECT_NE(std::string::npos, r.error().message.find("did not end"));
@@ -283,7 +283,7 @@ TEST(Tetgen, SeveralCallsAtOnce) {
   std::array<TetMatrix, 4> T;
   for (int i = 0; i < 4; ++i)
     threads.emplace_back([i, &T] {
-      const auto r = tetrahedralize(plc_of(test::sphere_surface(1 + i % 2)), {}, {});
+      const auto r = tetrahedralize(unmarked(test::sphere_surface(1 + i % 2)), {}, {});
       if (r.ok()) T[i] = r.value().T;
     });
   for (auto& t : threads) t.join();

@@ -10,7 +10,7 @@ namespace {
 
 // Regions with three options each; a condition forbids some pairs of options of two regions. What is accepted
 // in the end has an even or an odd sum, or any.
-struct Puzzle {
+struct TablePuzzle {
   struct Condition {
     Index a, b;
     bool allowed[3][3];
@@ -80,15 +80,15 @@ struct Puzzle {
   bool exhausted() { return ++choices > most; }
 };
 
-Puzzle random_puzzle(unsigned seed) {
+TablePuzzle random_puzzle(unsigned seed) {
   std::mt19937 random(seed);
-  Puzzle p;
+  TablePuzzle p;
   const int n = 3 + static_cast<int>(random() % 5);
   p.chosen.assign(n, -1);
   for (int i = 0; i < n; ++i) p.listed.push_back(random() % 4 != 0);
   const int conditions = n + static_cast<int>(random() % (2 * n));
   for (int k = 0; k < conditions; ++k) {
-    Puzzle::Condition c;
+    TablePuzzle::Condition c;
     c.a = static_cast<Index>(random() % n);
     c.b = static_cast<Index>((c.a + 1 + random() % (n - 1)) % n);
     for (auto& row : c.allowed)
@@ -103,7 +103,7 @@ Puzzle random_puzzle(unsigned seed) {
 TEST(GluingSolver, FindsWhatBruteForceFinds) {
   int found = 0, none = 0;
   for (unsigned seed = 0; seed < 400; ++seed) {
-    Puzzle p = random_puzzle(seed);
+    TablePuzzle p = random_puzzle(seed);
     const bool want = p.brute_force();
     std::vector<Index> all(p.chosen.size());
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<Index>(i);
@@ -122,7 +122,7 @@ TEST(GluingSolver, FindsWhatBruteForceFinds) {
 TEST(GluingSolver, GivesUpWhenToldAndLeavesNothingChosen) {
   int given_up = 0;
   for (unsigned seed = 0; seed < 50; ++seed) {
-    Puzzle p = random_puzzle(seed);
+    TablePuzzle p = random_puzzle(seed);
     p.most = 2;
     std::vector<Index> all(p.chosen.size());
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<Index>(i);

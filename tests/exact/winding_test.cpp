@@ -11,7 +11,7 @@
 namespace overtet {
 namespace {
 
-constexpr unsigned kSeed = 20130;
+constexpr unsigned kWindingSeed = 20130;
 
 // The sum of solid angles, in doubles.
 double solid_angle_winding(const Surface& s, const Eigen::Vector3d& p) {
@@ -26,8 +26,8 @@ double solid_angle_winding(const Surface& s, const Eigen::Vector3d& p) {
 }
 
 TEST(Winding, EqualsTheSumOfSolidAngles) {
-  SCOPED_TRACE(kSeed);
-  std::mt19937 random(kSeed);
+  SCOPED_TRACE(kWindingSeed);
+  std::mt19937 random(kWindingSeed);
   int not_zero = 0, above_one = 0;
   for (const Surface& s : {test::curled_worm(), test::two_spheres(), test::saucer(), test::elbow(),
                            test::sphere_with_cavity(), test::flipped(test::torus())}) {
@@ -90,8 +90,8 @@ TEST(Winding, FractionsAreExact) {
 }
 
 TEST(Winding, DoesNotDependOnScale) {
-  SCOPED_TRACE(kSeed + 1);
-  std::mt19937 random(kSeed + 1);
+  SCOPED_TRACE(kWindingSeed + 1);
+  std::mt19937 random(kWindingSeed + 1);
   const Surface s = test::two_spheres(1);
   const WindingNumber winding(s);
   for (const int exponent : {-900, -250, 320, 900}) {

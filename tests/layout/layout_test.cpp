@@ -48,14 +48,12 @@ const std::vector<Include>& includes() {
   return all;
 }
 
-bool begins(const std::string& s, const std::string& with) { return s.rfind(with, 0) == 0; }
-
 // The rooms of this project that a room's files include.
 std::map<std::string, Names> rooms_used() {
   std::map<std::string, Names> used;
   for (const Include& i : includes()) {
     used[i.room];
-    if (!begins(i.what, "src/") && !begins(i.what, "kernels/")) continue;
+    if (!i.what.starts_with("src/") && !i.what.starts_with("kernels/")) continue;
     const std::string other = room_of(i.what);
     if (other != i.room) used[i.room].insert(other);
   }
@@ -71,8 +69,8 @@ TEST(Layout, SourcesWereFound) { EXPECT_GT(includes().size(), 200u); }
 
 TEST(Layout, KernelsKnowNothingAboveThem) {
   for (const Include& i : includes()) {
-    if (!begins(i.room, "kernels/")) continue;
-    EXPECT_FALSE(begins(i.what, "src/")) << i.file << " includes " << i.what;
+    if (!i.room.starts_with("kernels/")) continue;
+    EXPECT_FALSE(i.what.starts_with("src/")) << i.file << " includes " << i.what;
     EXPECT_NE(i.what, "overtet/run_context.h") << i.file;
     for (const char* io : {"iostream", "fstream", "filesystem", "nlohmann/json.hpp"})
       EXPECT_NE(i.what, io) << i.file;
@@ -83,7 +81,7 @@ TEST(Layout, PublicHeadersNeedOnlyTheStandardLibraryAndEigen) {
   for (const Include& i : includes()) {
     if (i.room != "include") continue;
     const bool standard = i.what.find('/') == std::string::npos && i.what.find('.') == std::string::npos;
-    EXPECT_TRUE(standard || begins(i.what, "Eigen/") || begins(i.what, "overtet/"))
+    EXPECT_TRUE(standard || i.what.starts_with("Eigen/") || i.what.starts_with("overtet/"))
         << i.file << " includes " << i.what;
   }
 }
@@ -92,7 +90,7 @@ TEST(Layout, StagesNeverIncludeEachOther) {
   for (const auto& [room, others] : rooms_used()) {
     if (!kStages.contains(room)) continue;
     for (const std::string& other : others) {
-      if (begins(other, "kernels/")) continue;
+      if (other.starts_with("kernels/")) continue;
       EXPECT_TRUE(kRoundTheStages.contains(other)) << room << " includes " << other;
     }
   }
@@ -110,7 +108,7 @@ TEST(Layout, RoomsRoundTheStagesStandBelowThem) {
   for (const auto& [room, others] : rooms_used()) {
     if (!kRoundTheStages.contains(room)) continue;
     for (const std::string& other : others)
-      EXPECT_TRUE(begins(other, "kernels/") || kRoundTheStages.contains(other))
+      EXPECT_TRUE(other.starts_with("kernels/") || kRoundTheStages.contains(other))
           << room << " includes " << other;
   }
 }
@@ -127,9 +125,10 @@ TEST(Layout, OnlyThePublicFunctionsKnowThePipeline) {
 TEST(Layout, TheProgramIsAClientOfThePublicApi) {
   for (const Include& i : includes()) {
     if (i.room == "src/cli")
-      EXPECT_FALSE(begins(i.what, "kernels/") || (begins(i.what, "src/") && !begins(i.what, "src/cli/")))
+      EXPECT_FALSE(i.what.starts_with("kernels/") ||
+                   (i.what.starts_with("src/") && !i.what.starts_with("src/cli/")))
           << i.file << " includes " << i.what;
-    EXPECT_TRUE(i.room == "src/cli" || !begins(i.what, "src/cli/")) << i.file << " includes " << i.what;
+    EXPECT_TRUE(i.room == "src/cli" || !i.what.starts_with("src/cli/")) << i.file << " includes " << i.what;
   }
 }
 
@@ -140,7 +139,7 @@ TEST(Layout, TheLibraryNamesNoOptionOfTheProgram) {
   for (const char* top : {"include", "kernels", "src"})
     for (const auto& entry : fs::recursive_directory_iterator(root / top)) {
       const std::string file = fs::relative(entry.path(), root).string();
-      if (!entry.is_regular_file() || begins(file, "src/cli/")) continue;
+      if (!entry.is_regular_file() || file.starts_with("src/cli/")) continue;
       std::ifstream in(entry.path());
       for (std::string line; std::getline(in, line);)
         EXPECT_FALSE(std::regex_search(line, flag)) << file << ": " << line;
@@ -179,7 +178,7 @@ TEST(Layout, EachLibraryHasOneHome) {
 TEST(Layout, CgalStaysOutOfHeadersThatOthersInclude) {
   Names with_cgal;
   for (const Include& i : includes())
-    if (begins(i.what, "CGAL/") && i.file.ends_with(".h")) with_cgal.insert(i.file);
+    if (i.what.starts_with("CGAL/") && i.file.ends_with(".h")) with_cgal.insert(i.file);
   for (const Include& i : includes())
     EXPECT_TRUE(!with_cgal.contains(i.what) || room_of(i.what) == i.room) << i.file << " includes " << i.what;
 }

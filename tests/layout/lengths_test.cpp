@@ -14,8 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool begins(const std::string& s, const std::string& with) { return s.rfind(with, 0) == 0; }
-
 // A function or class of a source file that clang-format has formatted: where it begins, how many lines it
 // has (of a class: how many members hold data), and the comment above it.
 struct Block {
@@ -58,7 +56,7 @@ class Blocks {
         continue;
       }
       std::size_t close = open + 1;
-      while (close < end && !begins(lines_[close], closing)) ++close;
+      while (close < end && !lines_[close].starts_with(closing)) ++close;
       take(i, open, close, head, indent);
       i = close;
     }
@@ -67,7 +65,7 @@ class Blocks {
   void take(std::size_t first, std::size_t open, std::size_t close, const std::string& head,
             std::size_t indent) {
     static const std::regex is_class(R"re(^(template\s*<.*>\s*)?(class|struct)\s+\w+[^()]*\{ $)re");
-    if (begins(head, "namespace") || begins(head, "extern")) return scan(open + 1, close, indent);
+    if (head.starts_with("namespace") || head.starts_with("extern")) return scan(open + 1, close, indent);
     Block block{static_cast<int>(first) + 1, head, comment_above(first, indent), 0};
     if (std::regex_match(head, is_class)) {
       block.size = members(open + 1, close, indent + 2);
@@ -82,7 +80,8 @@ class Blocks {
   std::string comment_above(std::size_t first, std::size_t indent) const {
     std::string comment;
     const std::string start = std::string(indent, ' ') + "//";
-    for (std::size_t i = first; i > 0 && begins(lines_[i - 1], start); --i) comment = lines_[i - 1] + comment;
+    for (std::size_t i = first; i > 0 && lines_[i - 1].starts_with(start); --i)
+      comment = lines_[i - 1] + comment;
     return comment;
   }
 
@@ -102,7 +101,7 @@ class Blocks {
       }
       text = text.substr(std::min(text.find_first_not_of(' '), text.size()));
       if (text.ends_with("{ ")) {  // a body
-        while (i + 1 < end && !begins(lines_[i + 1], std::string(indent, ' ') + "}")) ++i;
+        while (i + 1 < end && !lines_[i + 1].starts_with(std::string(indent, ' ') + "}")) ++i;
         ++i;
         continue;
       }

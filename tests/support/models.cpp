@@ -275,6 +275,11 @@ Surface flipped(const Surface& s) {
   return r;
 }
 
+Surface shifted(Surface s, double x, double y, double z) {
+  s.V.rowwise() += Eigen::RowVector3d(x, y, z);
+  return s;
+}
+
 Surface transformed(const Surface& s, const Eigen::Matrix3d& A, const Point& t) {
   return mapped(s, [&](const Point& p) { return Point(A * p + t); });
 }

@@ -42,6 +42,7 @@ Surface sphere_with_cavity(int subdivisions = 2, double inner_radius = 0.4);
 Surface joined(const Surface& a, const Surface& b);  // b's vertices after a's
 Surface flipped(const Surface& s);
 Surface transformed(const Surface& s, const Eigen::Matrix3d& A, const Eigen::Vector3d& t);  // det A > 0
+Surface shifted(Surface s, double x, double y, double z);
 Eigen::Matrix3d some_rotation(std::uint64_t seed);
 // Vertices and faces in another order, faces rotated; `new_of_old` gets the vertex permutation.
 Surface permuted(const Surface& s, std::uint64_t seed, Eigen::VectorXi* new_of_old = nullptr);
