@@ -30,7 +30,7 @@ void let_follow(const VertexMatrix& V, const VertexRings& rings, int count, Turn
 }
 
 // A surface with one more part turned.
-struct Trial {
+struct TurnTrial {
   std::size_t left;  // offences
   double farthest;
   const InsideOutPart* part;
@@ -64,7 +64,7 @@ class TurnSearch {
       now_.V = before_;
       if (trials_.empty()) break;
       out_.V.clear();
-      for (Trial& t : trials_) out_.V.push_back(std::move(t.V));
+      for (TurnTrial& t : trials_) out_.V.push_back(std::move(t.V));
       now_.V = out_.V[0];
       ++out_.parts;
       if (Status s = look(); !s) return s.error();
@@ -124,7 +124,7 @@ class TurnSearch {
   }
 
   void sort_trials() {
-    std::stable_sort(trials_.begin(), trials_.end(), [](const Trial& x, const Trial& y) {
+    std::stable_sort(trials_.begin(), trials_.end(), [](const TurnTrial& x, const TurnTrial& y) {
       return x.left != y.left ? x.left < y.left : x.farthest < y.farthest;
     });
     if (trials_.size() > kMostTried) trials_.resize(kMostTried);
@@ -142,7 +142,7 @@ class TurnSearch {
   Diagnosis diagnosis_;     // of it
   VertexMatrix before_;     // this turn
   std::size_t enough_ = 0;  // objections that a trial may leave
-  std::vector<Trial> trials_;
+  std::vector<TurnTrial> trials_;
   double work_ = 0;
 };
 

@@ -14,7 +14,7 @@
 namespace overtet {
 namespace {
 
-using Point = Eigen::Vector3d;
+using Eigen::Vector3d;
 
 struct Named {
   const char* name;
@@ -52,8 +52,8 @@ Arrangement arranged(const Surface& s) {
 
 double size_of(const Surface& s) { return (s.V.colwise().maxCoeff() - s.V.colwise().minCoeff()).maxCoeff(); }
 
-Point twice_area(const VertexMatrix& V, const TriangleMatrix& F, Index f) {
-  const Point a = V.row(F(f, 0)), b = V.row(F(f, 1)), c = V.row(F(f, 2));
+Vector3d twice_area(const VertexMatrix& V, const TriangleMatrix& F, Index f) {
+  const Vector3d a = V.row(F(f, 0)), b = V.row(F(f, 1)), c = V.row(F(f, 2));
   return (b - a).cross(c - a);
 }
 
@@ -107,19 +107,19 @@ TEST(Arrangement, PiecesLieInTheirFacesAndCoverThem) {
     const Arrangement a = arranged(m.surface);
     const Surface& s = m.surface;
     const double size = size_of(s), off = std::max(m.rounding, 1e-15) * size;
-    std::vector<Point> sum(s.F.rows(), Point::Zero());
+    std::vector<Vector3d> sum(s.F.rows(), Vector3d::Zero());
     ASSERT_EQ(static_cast<Index>(a.sheet_begin.size()), a.F.rows() + 1);
     for (Index g = 0; g < a.F.rows(); ++g)
       for (Index i = a.sheet_begin[g]; i < a.sheet_begin[g + 1]; ++i) {
         const auto [face, sign] = a.sheets[i];
         ASSERT_TRUE(sign == 1 || sign == -1);
         sum[face] += sign * twice_area(a.V, a.F, g);
-        const Point n = twice_area(s.V, s.F, face).normalized(), o = s.V.row(s.F(face, 0));
+        const Vector3d n = twice_area(s.V, s.F, face).normalized(), o = s.V.row(s.F(face, 0));
         for (int k = 0; k < 3; ++k) {
-          const Point p = a.V.row(a.F(g, k));
+          const Vector3d p = a.V.row(a.F(g, k));
           EXPECT_LE(std::abs(n.dot(p - o)), 4 * off);
           for (int e = 0; e < 3; ++e) {  // not beyond the face's edges
-            const Point b = s.V.row(s.F(face, e)), c = s.V.row(s.F(face, (e + 1) % 3));
+            const Vector3d b = s.V.row(s.F(face, e)), c = s.V.row(s.F(face, (e + 1) % 3));
             EXPECT_GE(n.cross(c - b).normalized().dot(p - b), -4 * off);
           }
         }
