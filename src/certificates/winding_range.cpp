@@ -212,7 +212,8 @@ class PairStudy {
 // The point half-way from the wedge's corner to the next crossing, or a little way when there is none.
 std::optional<WindingCertificate> make_witness(const Rays& rays, const Wedge& wedge) {
   const Point start(wedge.start), direction(wedge.direction);
-  const RayCount ray = rays.count(start, direction, nullptr, wedge.skip, true);
+  const RayCount ray =
+      rays.count(start, direction, nullptr, wedge.skip, exact::RayQuestion::winding_and_nearest);
   if (ray.status != RayStatus::counted) return std::nullopt;
   Rational step = ray.nearest ? *ray.nearest / 2 : Rational(1);
   WindingCertificate out;

@@ -111,10 +111,11 @@ CLI::App* add_verify(CLI::App& app, VerifyCommand& verify) {
   command->add_option("SURFACE", verify.surface, "Surface: .obj, .off, .ply or .stl")->required();
   command->add_option("TETMESH", verify.mesh, "Tet mesh: .mesh, .msh, .vtu, .node or .ele")->required();
   command
-      ->add_option("--max-move", verify.max_move,
-                   "Largest move to allow a vertex of the surface, as a fraction of the diagonal of the "
-                   "bounding box (0.06: 6 %)")
-      ->check(CLI::NonNegativeNumber);
+      ->add_option(
+          "--max-move", verify.max_move,
+          "Largest move to allow a vertex of the surface, in percent of the diagonal of the bounding box")
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
   command->add_flag("--json", verify.json, "Print JSON");
   return command;
 }

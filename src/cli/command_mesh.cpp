@@ -137,6 +137,8 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
   report.seconds = seconds();
   if (!made) report.status = status_of(made.error().code);
   report.message = made ? what_was_made(command, made.value(), report) : with_hint(made.error());
+  if (!made && made.error().code == ErrorCode::infeasible && command.on_infeasible == "reject")
+    report.message += " --on-infeasible repair moves vertices, as little as it can, until there is a mesh.";
   terminal.clear();
   if (report.status != RunStatus::interrupted) {
     if (Status s = write_report(command.report, report); !s) {
@@ -144,7 +146,10 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
       terminal.error(s.error().message);
     }
   }
-  if (!made) return fail(terminal, made.error());
+  if (!made) {
+    terminal.error(report.message);
+    return static_cast<int>(made.error().code);
+  }
   terminal.say(report.message);
   return 0;
 }

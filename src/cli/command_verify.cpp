@@ -19,7 +19,7 @@ int run(const VerifyCommand& command, const CommonOptions& common, Terminal& ter
   if (!mesh) return fail(terminal, mesh.error());
   VerifyOptions options;
   options.geometry_only = !info.has_vertex_order;
-  options.max_move = command.max_move;
+  options.max_move = command.max_move / 100;
   const VerifyResult r = verify(surface.value(), mesh.value(), options, context);
   if (!r.complete)
     return fail(terminal, context.stop().value_or(Error{ErrorCode::interrupted, "Interrupted."}));

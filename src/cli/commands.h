@@ -41,7 +41,7 @@ struct RepairCommand {
 
 struct VerifyCommand {
   std::string surface, mesh;
-  double max_move = 0;
+  double max_move = 0;  // percent of the diagonal
   bool json = false;
 };
 

@@ -22,24 +22,30 @@ int inverse(const Way& way, int x) {
   return static_cast<int>(std::find(way.begin(), way.end(), x) - way.begin());
 }
 
+enum class Passage { forth, back };
+
 // The name that layer x has on the other side of a sector.
 int across(const GluingCondition& c, const std::vector<const Way*>& ways, int sector, int x,
-           bool back = false) {
+           Passage passage = Passage::forth) {
   if (c.names[sector] < 0) return x;
   const Way& way = *ways[c.names[sector]];
-  return back != (c.backwards[sector] != 0) ? inverse(way, x) : static_cast<int>(way[x]);
+  return (passage == Passage::back) != (c.backwards[sector] != 0) ? inverse(way, x)
+                                                                  : static_cast<int>(way[x]);
 }
 
 }  // namespace
 
 bool holds(const GluingCondition& c, const std::vector<const Way*>& ways) {
   if (c.most >= 0) return turns_at(c, ways).has_value();
-  const auto go = [&](int sector, int x, bool back = false) { return across(c, ways, sector, x, back); };
+  const auto go = [&](int sector, int x, Passage passage = Passage::forth) {
+    return across(c, ways, sector, x, passage);
+  };
   const Way &fp = *ways[c.regions[0]], &gp = *ways[c.regions[1]], &fm = *ways[c.regions[2]],
             &gm = *ways[c.regions[3]];
   for (int k = 0; k < static_cast<int>(fp.size()); ++k)
-    if (go(3, fm[go(2, gp[go(0, k)], true)]) != gm[go(1, fp[k])]) return false;
-  return gm[go(1, ending(fp))] == go(3, ending(fm)) && go(3, fm[go(2, ending(gp), true)]) == ending(gm);
+    if (go(3, fm[go(2, gp[go(0, k)], Passage::back)]) != gm[go(1, fp[k])]) return false;
+  return gm[go(1, ending(fp))] == go(3, ending(fm)) &&
+         go(3, fm[go(2, ending(gp), Passage::back)]) == ending(gm);
 }
 
 std::optional<int> turns_at(const GluingCondition& c, const std::vector<const Way*>& ways) {
@@ -47,7 +53,7 @@ std::optional<int> turns_at(const GluingCondition& c, const std::vector<const Wa
   const Way &l = *ways[c.regions[0]], &other = *ways[c.regions[1]];
   Way r(l.size());
   for (int k = 0; k < static_cast<int>(l.size()); ++k)
-    r[k] = static_cast<signed char>(across(c, ways, 1, other[across(c, ways, 0, k)], true));
+    r[k] = static_cast<signed char>(across(c, ways, 1, other[across(c, ways, 0, k)], Passage::back));
   unsigned passed = 0;
   int at = ending(l), turns = 0;
   const int end = ending(r);

@@ -258,7 +258,7 @@ Rational Rays::cut(const Point& a, const Point& b, Index f) const {
 }
 
 RayCount Rays::count(const Point& m, const Point& towards, const Point* tilt, const std::vector<Index>& skip,
-                     bool want_nearest) const {
+                     RayQuestion question) const {
   RayCount out;
   std::optional<Point> other;
   const Point& d = with_digits(towards, other);
@@ -300,13 +300,10 @@ RayCount Rays::count(const Point& m, const Point& towards, const Point* tilt, co
       return;
     }
     out.winding += s;
-    if (want_nearest) {
+    if (question == RayQuestion::winding_and_nearest) {
       const Vec n = normal(f);
       const Rational t = dot(n, vec(corner(f, 0)) - m.x) / dot(n, towards.x);
-      if (!out.nearest || t < *out.nearest) {
-        out.nearest = t;
-        out.nearest_face = f;
-      }
+      if (!out.nearest || t < *out.nearest) out.nearest = t;
     }
   });
   return out;

@@ -16,10 +16,11 @@ enum class RayStatus { counted, grazes, starts_on_surface };
 
 struct RayCount {
   RayStatus status = RayStatus::counted;
-  int winding = 0;  // signed crossings: the winding number just ahead of the start
-  Index nearest_face = -1;
+  int winding = 0;                  // signed crossings: the winding number just ahead of the start
   std::optional<Rational> nearest;  // parameter of the first crossing, when asked for
 };
+
+enum class RayQuestion { winding, winding_and_nearest };
 
 // By rational arithmetic behind a floating-point filter. What it is made of must outlive it.
 class Rays {
@@ -31,7 +32,7 @@ class Rays {
   // The ray from m along d, tilted by an infinitesimal amount towards `tilt` when that is given. Faces in
   // `skip` (sorted) are not counted: those that contain m. m then may lie on the surface.
   RayCount count(const Point& m, const Point& d, const Point* tilt, const std::vector<Index>& skip,
-                 bool want_nearest = false) const;
+                 RayQuestion question = RayQuestion::winding) const;
 
   // How the line from m along d passes face f: 1 or -1 through its inside, leaving or entering; 0 not at
   // all; kGrazes through its border or in its plane.

@@ -57,8 +57,8 @@ class LocalOperations {
   bool shared(Index v) const { return v < static_cast<Index>(shared_.size()) && shared_[v] != 0; }
   // New or changed tets of the last operation that returned true.
   const std::vector<Index>& changed() const { return changed_; }
-  // When false, no operation makes an interior edge between two fixed vertices. Default: allowed.
-  void allow_fixed_chords(bool allowed) { fixed_chords_ = allowed; }
+  // From now on no operation makes an interior edge between two fixed vertices.
+  void forbid_fixed_chords() { fixed_chords_ = false; }
   // When true, vertices are placed with more care: twice the time for the last tenths. Default: false.
   void be_thorough(bool thorough) { thorough_ = thorough; }
 

@@ -87,7 +87,11 @@ class Repairing {
         moved_less = promising;
       }
     }
-    if (!nearest) return first_;
+    if (!nearest) {
+      Error error = first_;
+      error.message += " The repair found no surface nearby that has a mesh.";
+      return error;
+    }
     if (!moved_less && nearest->moves.max_relative <= kOutOfReach * job_.allowed()) {
       if (Status s = move_less(job_, *nearest); !s) return s.error();
       if (nearest->moves.max_relative <= job_.allowed()) return std::move(*nearest);

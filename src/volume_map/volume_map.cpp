@@ -361,7 +361,7 @@ class Mapper {
     Pull pull{away(), branch_.wound ? PullStage::branch : PullStage::distance, options_.first_pull};
     result_.away_at_start = static_cast<Index>(pull.list.size());
     LocalOperations work(mesh_);
-    work.allow_fixed_chords(false);
+    work.forbid_fixed_chords();
     for (int round = 0; !pull.list.empty(); ++round) {
       if (auto error = context_.stop()) return *error;
       if (round >= options_.rounds || spent()) return locked(pull.list);
@@ -471,7 +471,7 @@ class Mapper {
   Status spread(bool& hopeless) {
     const double limit = kWithin * options_.largest_move;
     LocalOperations work(mesh_);
-    work.allow_fixed_chords(false);
+    work.forbid_fixed_chords();
     TetComplex best = mesh_;
     double best_move = farthest_move(), last = best_move, force = kSpreadPull;
     PatchForces forces;
