@@ -32,7 +32,7 @@ class Passes {
         budget_{static_cast<std::int64_t>(options.growth * static_cast<double>(mesh_.tet_count())) + 100,
                 static_cast<std::int64_t>(options.effort * static_cast<double>(mesh_.tet_count())) + 1000,
                 RunContext::Clock::now(), seconds} {
-    work_.be_thorough(care == Care::by_all_means);
+    if (care == Care::by_all_means) work_.be_thorough();
     if (care == Care::by_all_means) course_.means = Means::strong;
     history_.touched.assign(mesh_.vertex_count(), 0);
     history_.attempts.resize(mesh_.tet_capacity());

@@ -15,7 +15,7 @@ std::int64_t fewer_bad(LocalOperations& work, const LocalOperations::Price& pric
                        const RunContext& context) {
   const TetComplex& mesh = work.mesh();
   const bool insert = may == NewVertices::some;
-  work.be_thorough(true);
+  work.be_thorough();
   // A tet that resisted is left alone until something at its corners changes, and so is a vertex that stayed.
   std::int64_t now = 1, all = 0;
   std::vector<std::int64_t> touched(mesh.vertex_count(), 0), rested(mesh.vertex_count(), -1),

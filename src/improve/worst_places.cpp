@@ -130,7 +130,7 @@ struct Measures {
 int mend(LocalOperations& work, double need, double goal, int most_dear, const Measures& measures) {
   const TetComplex& mesh = work.mesh();
   std::vector<char> stuck(mesh.tet_capacity(), 0);
-  work.be_thorough(true);
+  work.be_thorough();
   const auto changed = [&] {
     stuck.resize(mesh.tet_capacity(), 0);
     for (const Index t : work.changed()) {

@@ -59,8 +59,8 @@ class LocalOperations {
   const std::vector<Index>& changed() const { return changed_; }
   // From now on no operation makes an interior edge between two fixed vertices.
   void forbid_fixed_chords() { fixed_chords_ = false; }
-  // When true, vertices are placed with more care: twice the time for the last tenths. Default: false.
-  void be_thorough(bool thorough) { thorough_ = thorough; }
+  // From now on vertices are placed with more care: twice the time for the last tenths.
+  void be_thorough() { thorough_ = true; }
 
   // A new vertex on the interior edge a-b, at p. No criterion; false when a tet would not be positive or
   // the edge is not an interior one.
@@ -105,7 +105,10 @@ class LocalOperations {
 
   // Moves the free vertex v so that the worst tet of its star gets better by at least the factor `gain`.
   bool smooth(Index v, double gain = kAnyGain);
-  // The same towards a given place: the best of a few points on the way. Must improve the worst.
+  // The same for any vertex, boundary ones included (the boundary moves with it), no further from `centre`
+  // than the radius.
+  bool smooth_within(Index v, const Eigen::Vector3d& centre, double radius);
+  // smooth() towards a given place: the best of a few points on the way. Must improve the worst.
   bool move_towards(Index v, const Eigen::Vector3d& target);
 
   // What makes fewer tets bad, be it that other bad ones get worse. (The best worst tet of a star is as good
@@ -215,7 +218,8 @@ class LocalOperations {
   // What the mesh has elsewhere, or may get where others work on it, is not made in the polyhedron. known:
   // edges of the cavity (marked), hull: those of its hull, by the numbers of the points in link_.
   void bar_elsewhere(const Refill& how, const EdgeBits& known, const EdgeBits& hull, Polyhedron& p);
-  bool star_of_free(Index v);  // star_ and faces_; false when v is fixed
+  void load_star(Index v);     // star_, faces_ and bases_
+  bool star_of_free(Index v);  // the same; false when v is fixed
 
   TetComplex& mesh_;
   std::vector<double> quality_;

@@ -194,12 +194,15 @@ double LocalOperations::optimise(Vector3d& x, double q, int rounds) {
 
 bool LocalOperations::star_of_free(Index v) {
   if (fixed_[v]) return false;
+  load_star(v);
+  return !star_.empty();
+}
+
+void LocalOperations::load_star(Index v) {
   mesh_.star(v, star_);
-  if (star_.empty()) return false;
   faces_.clear();
   for (const Index t : star_) faces_.push_back(inner_face(t, mesh_.corner(t, v)));
   load_bases();
-  return true;
 }
 
 bool LocalOperations::smooth(Index v, double gain) {
@@ -212,6 +215,20 @@ bool LocalOperations::smooth(Index v, double gain) {
   refresh(star_);
   changed_ = star_;
   return true;
+}
+
+bool LocalOperations::smooth_within(Index v, const Vector3d& centre, double radius) {
+  load_star(v);
+  if (star_.empty()) return false;
+  const double before = worst(star_);
+  Vector3d x = mesh_.position(v);
+  double after = optimise(x, before, 6);
+  if (const double far = (x - centre).norm(); far > radius) {
+    // Back to the ball; a little inside, so that rounding does not lead out.
+    x = centre + (radius * (1 - 1e-12) / far) * (x - centre);
+    after = quality_at(x, before);
+  }
+  return after > before * kAnyGain && place(v, x);
 }
 
 bool LocalOperations::move_towards(Index v, const Vector3d& target) {

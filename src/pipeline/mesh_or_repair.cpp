@@ -102,6 +102,7 @@ Result<MeshedSurface> repair_whole(const Surface& surface, const MeshingOptions&
   Result<RepairedMesh> repaired = mesh_repaired(job, first.error, first.unglued);
   if (!repaired) return repaired.error();
   RepairedMesh& r = repaired.value();
+  if (Status s = opened(job, r); !s) return s.error();
   // Attempts are improved as far as is usual.
   const bool good_already =
       r.state == RepairedMesh::State::finished && options.improve_degrees <= MeshingOptions().improve_degrees;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "src/cdt/tuning.h"
+#include "src/opening/opening.h"
 #include "src/pipeline/finishing.h"
 #include "src/pipeline/stage_clock.h"
 #include "src/pipeline/surface_run.h"
@@ -77,6 +78,38 @@ MeshAttempt mesh_moved(const RepairJob& job, const Surface& moved, Need need) {
 Result<TetMesh> finish_moved(const RepairJob& job, const Surface& moved, TetMesh mesh) {
   return finish_given({moved, options_of_attempts(job).improve_degrees, job.context, job.records},
                       std::move(mesh));
+}
+
+Status opened(const RepairJob& job, RepairedMesh& repaired) {
+  OpeningOptions options;
+  options.largest_move = job.allowed() * job.diagonal;
+  TetMesh mesh = repaired.mesh;
+  bool any = false;
+  const Status done = timed_stage("opening", job.records, job.context, [&](StageRecord& record) -> Status {
+    Result<OpeningResult> r = open_up(mesh, job.surface.V, options, job.context);
+    if (!r) return r.error();
+    const OpeningResult& x = r.value();
+    double farthest = 0;
+    std::int64_t opened = 0;
+    for (const OpenedPlace& place : x.places) {
+      opened += place.opened ? 1 : 0;
+      record.iterations += place.rounds;
+      farthest = std::max(farthest, place.farthest);
+    }
+    any = opened > 0;
+    record.figures = {{"places", static_cast<std::int64_t>(x.places.size())},
+                      {"opened", opened},
+                      {"degrees_before", x.degrees_before},
+                      {"degrees_after", x.degrees_after},
+                      {"max_relative", farthest / job.diagonal},
+                      {"tets", std::int64_t{mesh.T.rows()}}};
+    return success();
+  });
+  if (!done) return done;
+  if (!any) return success();
+  repaired = measured(job, std::move(mesh));
+  repaired.state = RepairedMesh::State::pulled;
+  return success();
 }
 
 Result<std::optional<RepairedMesh>> pulled(const RepairJob& job, const RepairedMesh& from, const Pull& pull) {

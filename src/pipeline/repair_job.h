@@ -67,6 +67,10 @@ MeshAttempt mesh_moved(const RepairJob& job, const Surface& moved, Need need);
 // A mesh of the moved surface that there is already, improved and checked.
 Result<TetMesh> finish_moved(const RepairJob& job, const Surface& moved, TetMesh mesh);
 
+// Moved vertices moved further, no further than is allowed, where the tets at them are bad (src/opening).
+// Errors: limit, interrupted.
+Status opened(const RepairJob& job, RepairedMesh& repaired);
+
 // The boundary of a mesh pulled to the input, every tet positive all the way (src/volume_map).
 struct Pull {
   // Measured: fewer rings and a force that grows faster cost a third and end as near, but not after moves

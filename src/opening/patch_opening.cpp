@@ -1,0 +1,300 @@
+#include "src/opening/patch_opening.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <set>
+#include <utility>
+
+#include "kernels/core/tet_tables.h"
+#include "kernels/tet_energy/tet_energy.h"
+#include "kernels/tet_energy/tet_quality.h"
+#include "src/mesh/local_operations.h"
+
+namespace overtet {
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+double degrees_of(double sine) { return std::asin(std::min(1.0, sine)) * 180 / std::numbers::pi; }
+
+// The sum over a star and its derivatives by the place of its vertex.
+struct StarEnergy {
+  double value = 0;
+  Vector3d gradient = Vector3d::Zero();
+  Matrix3d hessian = Matrix3d::Zero();
+};
+
+class PlaceOpening {
+ public:
+  PlaceOpening(MeshPart& part, const std::vector<HomeOfMoved>& moved, const OpeningOptions& options,
+               const RunContext& context)
+      : part_(part), moved_(moved), options_(options), context_(context), mesh_(part.complex) {
+    target_ = std::sin(options.target_degrees * std::numbers::pi / 180);
+  }
+
+  OpenedPlace run() {
+    OpenedPlace out;
+    out.vertices = static_cast<Index>(moved_.size());
+    LocalOperations work(mesh_);
+    part_.mark_shared(work);
+    work.be_thorough();
+    const double before = least(work);
+    double best = before, mark = before;  // mark: of the last gain
+    TetComplex best_mesh = mesh_;
+    const double most = std::min(options_.largest_move, options_.edges * mean_edge());
+    double reach = farthest();
+    for (int idle = 0; idle < options_.idle_rounds && best < target_ && reach < most && !context_.stop();) {
+      reach = std::min(most, options_.growth * reach);
+      round(work, reach);
+      ++out.rounds;
+      const double now = least(work);
+      if (now > best) best = now, best_mesh = mesh_;
+      if (best > kGain * mark) {
+        mark = best;
+        idle = 0;
+      } else {
+        ++idle;
+      }
+    }
+    out.opened = best > options_.worthwhile * before;
+    out.degrees_before = degrees_of(before);
+    out.degrees_after = out.opened ? degrees_of(best) : out.degrees_before;
+    if (out.opened) mesh_ = std::move(best_mesh);
+    out.farthest = farthest();
+    return out;
+  }
+
+ private:
+  static constexpr double kGain = 1.03;
+
+  // The surface's edges at moved vertices.
+  double mean_edge() const {
+    double sum = 0;
+    int count = 0;
+    std::vector<Index> star;
+    for (const HomeOfMoved& m : moved_) {
+      mesh_.star(m.vertex, star);
+      for (const Index t : star)
+        for (int k = 0; k < 4; ++k) {
+          if (mesh_.neighbour(t, k) >= 0 || mesh_.tet(t)[k] == m.vertex) continue;
+          for (int i = 0; i < 4; ++i) {
+            const Index v = mesh_.tet(t)[i];
+            if (i == k || v == m.vertex) continue;
+            sum += (mesh_.position(v) - mesh_.position(m.vertex)).norm();
+            ++count;
+          }
+        }
+    }
+    return count == 0 ? 0 : sum / count;
+  }
+
+  double farthest() const {
+    double most = 0;
+    for (const HomeOfMoved& m : moved_) most = std::max(most, (mesh_.position(m.vertex) - m.home).norm());
+    return most;
+  }
+
+  double least(const LocalOperations& work) const {
+    double q = kInfinite;
+    std::vector<Index> star;
+    for (const HomeOfMoved& m : moved_) {
+      mesh_.star(m.vertex, star);
+      for (const Index t : star) q = std::min(q, work.quality(t));
+    }
+    return q;
+  }
+
+  // Free vertices with an edge to a moved one.
+  std::vector<Index> followers(const LocalOperations& work) const {
+    std::set<Index> near;
+    std::vector<Index> star;
+    for (const HomeOfMoved& m : moved_) {
+      mesh_.star(m.vertex, star);
+      for (const Index t : star)
+        for (const Index v : mesh_.tet(t))
+          if (!work.fixed(v)) near.insert(v);
+    }
+    return {near.begin(), near.end()};
+  }
+
+  void round(LocalOperations& work, double reach) {
+    scale(work, reach);
+    std::vector<Index> near = followers(work);
+    for (int sweep = 0; sweep < options_.energy_sweeps; ++sweep) {
+      double gained = 0;
+      for (const HomeOfMoved& m : moved_) gained = std::max(gained, descend(work, m.vertex, &m, reach));
+      for (const Index v : near) gained = std::max(gained, descend(work, v, nullptr, reach));
+      if (gained < kSettled) break;
+    }
+    for (int sweep = 0; sweep < options_.worst_sweeps; ++sweep) {
+      bool better = false;
+      for (const HomeOfMoved& m : moved_) better |= work.smooth_within(m.vertex, m.home, reach);
+      for (const Index v : near) better |= work.smooth(v);
+      better |= reconnect(work);
+      near = followers(work);
+      if (!better) break;
+    }
+  }
+  static constexpr double kSettled = 1e-3;  // part of a star's sum
+
+  // All moves by one factor, the largest that the tets allow.
+  void scale(LocalOperations& work, double reach) {
+    std::set<Index> tets;
+    std::vector<Index> star, vertices;
+    for (const HomeOfMoved& m : moved_) {
+      mesh_.star(m.vertex, star);
+      tets.insert(star.begin(), star.end());
+      vertices.push_back(m.vertex);
+    }
+    const std::vector<Index> list(tets.begin(), tets.end());
+    for (const double factor : {2.0, 1.5, 1.25, 1.1, 1.03}) {
+      std::vector<Vector3d> to, from;
+      for (const HomeOfMoved& m : moved_) {
+        from.push_back(mesh_.position(m.vertex));
+        to.push_back(inside(m.home + factor * (from.back() - m.home), m.home, reach));
+      }
+      const double before = sum_of(list);
+      if (!all_positive_on_the_way(list, vertices, to) || !work.place_all(vertices, to, list)) continue;
+      if (sum_of(list) < before) return;
+      work.place_all(vertices, from, list);
+    }
+  }
+
+  bool all_positive_on_the_way(const std::vector<Index>& tets, const std::vector<Index>& vertices,
+                               const std::vector<Vector3d>& to) const {
+    for (const Index t : tets) {
+      Vector3d old_corners[4], new_corners[4];
+      for (int k = 0; k < 4; ++k) {
+        const Index v = mesh_.tet(t)[k];
+        old_corners[k] = new_corners[k] = mesh_.position(v);
+        const auto at = std::find(vertices.begin(), vertices.end(), v);
+        if (at != vertices.end()) new_corners[k] = to[static_cast<std::size_t>(at - vertices.begin())];
+      }
+      if (!positive_on_the_way(old_corners, new_corners)) return false;
+    }
+    return true;
+  }
+
+  double sum_of(const std::vector<Index>& tets) const {
+    double sum = 0;
+    for (const Index t : tets) {
+      const auto& c = mesh_.tet(t);
+      const double e = shape_energy(mesh_.position(c[0]), mesh_.position(c[1]), mesh_.position(c[2]),
+                                    mesh_.position(c[3]), 1, 0);
+      sum += e * std::sqrt(e);
+    }
+    return sum;
+  }
+
+  static Vector3d inside(const Vector3d& x, const Vector3d& centre, double radius) {
+    const Vector3d d = x - centre;
+    const double far = d.norm();
+    // A little inside, so that rounding does not lead out.
+    return far <= radius ? x : Vector3d(centre + (radius * (1 - 1e-12) / far) * d);
+  }
+
+  // Of the star of v, were v at x.
+  double star_sum(Index v, const Vector3d& x) const {
+    double sum = 0;
+    for (const Index t : star_) {
+      Vector3d p[4];
+      for (int k = 0; k < 4; ++k) p[k] = mesh_.tet(t)[k] == v ? x : mesh_.position(mesh_.tet(t)[k]);
+      const double e = shape_energy(p[0], p[1], p[2], p[3], 1, 0);
+      if (!std::isfinite(e)) return kInfinite;
+      sum += e * std::sqrt(e);
+    }
+    return sum;
+  }
+
+  StarEnergy star_energy(Index v) const {
+    StarEnergy out;
+    TetEnergy e;
+    for (const Index t : star_) {
+      const auto& c = mesh_.tet(t);
+      const double value = shape_energy(mesh_.position(c[0]), mesh_.position(c[1]), mesh_.position(c[2]),
+                                        mesh_.position(c[3]), 1, 0, e);
+      if (!std::isfinite(value)) return {kInfinite, out.gradient, out.hessian};
+      const int row = 3 * mesh_.corner(t, v);
+      const Vector3d g = e.gradient.segment<3>(row);
+      const double root = std::sqrt(value);
+      out.value += value * root;
+      out.gradient += 1.5 * root * g;
+      out.hessian += 1.5 * root * e.hessian.block<3, 3>(row, row) + (0.75 / root) * g * g.transpose();
+    }
+    return out;
+  }
+
+  // A Newton step of one vertex, halved until it helps. Returns the part of the sum that it gained.
+  double descend(LocalOperations& work, Index v, const HomeOfMoved* held, double reach) {
+    mesh_.star(v, star_);
+    const StarEnergy e = star_energy(v);
+    if (!std::isfinite(e.value)) return 0;
+    Vector3d step = -e.hessian.ldlt().solve(e.gradient);
+    if (!step.allFinite() || !(step.dot(e.gradient) < 0)) step = -e.gradient * (e.value / e.gradient.squaredNorm());
+    if (!step.allFinite()) return 0;
+    const Vector3d from = mesh_.position(v);
+    double length = 1;
+    for (int halving = 0; halving < kHalvings; ++halving, length *= 0.5) {
+      Vector3d to = from + length * step;
+      if (held) to = inside(to, held->home, reach);
+      const double value = star_sum(v, to);
+      if (!(value < e.value)) continue;
+      if (work.place(v, to)) return (e.value - value) / e.value;
+    }
+    return 0;
+  }
+  static constexpr int kHalvings = 12;
+
+  // Other tets for the bad ones at moved vertices.
+  bool reconnect(LocalOperations& work) {
+    std::set<std::pair<double, Index>> bad;
+    std::vector<Index> star;
+    for (const HomeOfMoved& m : moved_) {
+      mesh_.star(m.vertex, star);
+      for (const Index t : star)
+        if (work.quality(t) < target_) bad.insert({work.quality(t), t});
+    }
+    bool any = false;
+    for (const auto& [quality, t] : bad)
+      if (mesh_.alive(t) && work.quality(t) == quality && replace(work, t)) any = true;
+    return any;
+  }
+
+  bool replace(LocalOperations& work, Index t) {
+    const auto c = mesh_.tet(t);
+    for (const auto& [i, j] : kTetEdge)
+      if (work.remove_edge(t, c[i], c[j])) return true;
+    for (int k = 0; k < 4; ++k)
+      if (work.flip_23(t, k)) return true;
+    for (const auto& [i, j] : kTetEdge)
+      if (work.collapse(c[i], c[j]) || work.collapse(c[j], c[i])) return true;
+    if (work.reconnect(t)) return true;
+    for (const auto& [i, j] : kTetEdge)
+      if (work.insert_at_edge(t, c[i], c[j])) return true;
+    return work.insert_around(t);
+  }
+
+  MeshPart& part_;
+  const std::vector<HomeOfMoved>& moved_;
+  const OpeningOptions& options_;
+  const RunContext& context_;
+  TetComplex& mesh_;
+  double target_ = 0;  // sine
+  std::vector<Index> star_;
+};
+
+}  // namespace
+
+OpenedPlace open_place(MeshPart& part, const std::vector<HomeOfMoved>& moved, const OpeningOptions& options,
+                       const RunContext& context) {
+  return PlaceOpening(part, moved, options, context).run();
+}
+
+}  // namespace overtet
