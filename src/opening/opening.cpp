@@ -59,10 +59,11 @@ Status OpeningOptions::validate() const {
   if (!(target_degrees > 0 && target_degrees < 60))
     return Error{ErrorCode::usage, "target_degrees must be above 0 and below 60."};
   if (!(largest_move > 0)) return Error{ErrorCode::usage, "largest_move must be positive."};
-  if (!(edges > 0)) return Error{ErrorCode::usage, "edges must be positive."};
+  if (!(edges > 0 && further > 0)) return Error{ErrorCode::usage, "edges and further must be positive."};
   if (!(growth > 1)) return Error{ErrorCode::usage, "growth must be above 1."};
   if (layers < 1 || idle_rounds < 1 || energy_sweeps < 0 || worst_sweeps < 0)
-    return Error{ErrorCode::usage, "layers and idle_rounds must be at least 1, and numbers of sweeps not negative."};
+    return Error{ErrorCode::usage,
+                 "layers and idle_rounds must be at least 1, and numbers of sweeps not negative."};
   if (!(worthwhile >= 1)) return Error{ErrorCode::usage, "worthwhile must be at least 1."};
   return success();
 }
@@ -73,7 +74,8 @@ double least_angle_at_moved(const TetMesh& mesh, const VertexMatrix& home) {
   for (Index t = 0; t < mesh.T.rows(); ++t) {
     const auto c = mesh.T.row(t);
     if (!moved[c[0]] && !moved[c[1]] && !moved[c[2]] && !moved[c[3]]) continue;
-    least = std::min(least, min_dihedral_sine(mesh.V.row(c[0]), mesh.V.row(c[1]), mesh.V.row(c[2]), mesh.V.row(c[3])));
+    least = std::min(
+        least, min_dihedral_sine(mesh.V.row(c[0]), mesh.V.row(c[1]), mesh.V.row(c[2]), mesh.V.row(c[3])));
   }
   return std::asin(least) * 180 / EIGEN_PI;
 }

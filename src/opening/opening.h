@@ -1,15 +1,15 @@
 // Gives room to the vertices of a surface that a repair has moved.
 //
-// A repair moves vertices as little as it can. So the tets at them are next to flat: where it ends, one step less
-// has no mesh. Here moved vertices go on, each inside a ball around the place that it had in the input. The balls
-// grow until the tets at moved vertices are good enough. The mesh is positive at every moment: vertices move one at
-// a time with all of their tets positive, or together with all tets positive on the whole way. So an interior edge
-// keeps its one turn, and nothing has to be diagnosed or meshed again.
+// A repair moves vertices as little as it can. So the tets at them are next to flat: where it ends, one step
+// less has no mesh. Here moved vertices go on, each inside a ball around the place that it had in the input.
+// The balls grow until the tets at moved vertices are good enough. The mesh is positive at every moment:
+// vertices move one at a time with all of their tets positive, or together with all tets positive on the
+// whole way. So an interior edge keeps its one turn, and nothing has to be diagnosed or meshed again.
 //
-// In each ball, in turn: all moves of a place scaled; sweeps that minimise a sum over the star of each vertex,
-// shape_energy^1.5 (kernels/tet_energy), which is (sum of squared edges)^1.5 / volume but for a factor, by Newton
-// steps; then sweeps that raise the worst tet of each star, and changes of tets. (The worst tet alone is no goal to
-// begin with: it locks where the sum does not.)
+// In each ball, in turn: all moves of a place scaled; sweeps that minimise a sum over the star of each
+// vertex, shape_energy^1.5 (kernels/tet_energy), which is (sum of squared edges)^1.5 / volume but for a
+// factor, by Newton steps; then sweeps that raise the worst tet of each star, and changes of tets. (The worst
+// tet alone is no goal to begin with: it locks where the sum does not.)
 //
 // Places (moved vertices with a few layers of tets around them; those that touch are one place) are worked on
 // independently of each other. Same mesh and options, same bytes on any number of threads.
@@ -25,23 +25,25 @@ namespace overtet {
 
 struct OpeningOptions {
   double target_degrees = 7;  // least dihedral angle (and 180 minus the largest) wanted at moved vertices
-  // No vertex goes further from its place in the input, in the input's units. Also not further than the mean edge of the
-  // surface at its place, times `edges`: beyond that it is another shape.
+  // No vertex goes further from its place in the input, in the input's units.
   double largest_move = 0;
-  double edges = 1;
-  double growth = 1.5;    // of the balls, from one round to the next
-  int layers = 3;         // of tets around moved vertices that take part
-  int idle_rounds = 4;    // in a row without a gain of 3 %: enough
+  // Nor further than the mean edge of the surface at its place, times `edges`, beyond which it is another
+  // shape; or than the repair's largest move there, times `further`, where that is more.
+  double edges = 1, further = 1.5;
+  double growth = 1.25;                      // of the balls, from one round to the next
+  int layers = 3;                            // of tets around moved vertices that take part
+  int idle_rounds = 4;                       // in a row without a gain of 3 %: enough
   int energy_sweeps = 12, worst_sweeps = 6;  // in each round, at most
-  double worthwhile = 1.3;  // the least angle at a place must grow by this factor; else the place stays as it was
+  double worthwhile =
+      1.3;  // the least angle at a place must grow by this factor; else the place stays as it was
 
   Status validate() const;
 };
 
 struct OpenedPlace {
-  Index vertices = 0;                             // moved ones
-  double degrees_before = 0, degrees_after = 0;   // of the least angle at them, as above
-  double farthest = 0;                            // the largest move afterwards, in the input's units
+  Index vertices = 0;                            // moved ones
+  double degrees_before = 0, degrees_after = 0;  // of the least angle at them, as above
+  double farthest = 0;                           // the largest move afterwards, in the input's units
   int rounds = 0;
   bool opened = false;
 };
@@ -51,15 +53,14 @@ struct OpeningResult {
   double degrees_before = 90, degrees_after = 90;  // the least ones; 90 where nothing has moved
 };
 
-// Works in place. home: #V x 3, where the surface's vertices were in the input; those that are there stay. The surface's
-// vertices keep their numbers; others that no tet needs any more are dropped.
-// Errors: usage (options), interrupted, limit.
-// pre: every tet positive; mesh.surface_vertices == home.rows().
+// Works in place. home: #V x 3, where the surface's vertices were in the input; those that are there stay.
+// The surface's vertices keep their numbers; others that no tet needs any more are dropped. Errors: usage
+// (options), interrupted, limit. pre: every tet positive; mesh.surface_vertices == home.rows().
 Result<OpeningResult> open_up(TetMesh& mesh, const VertexMatrix& home, const OpeningOptions& options,
                               const RunContext& context);
 
-// The smallest angle, in degrees, among the dihedral angles and their differences from 180 of all tets that have a
-// surface vertex which is not at home; 90 where there is none.
+// The smallest angle, in degrees, among the dihedral angles and their differences from 180 of all tets that
+// have a surface vertex which is not at home; 90 where there is none.
 double least_angle_at_moved(const TetMesh& mesh, const VertexMatrix& home);
 
 }  // namespace overtet

@@ -48,11 +48,13 @@ class PlaceOpening {
     const double before = least(work);
     double best = before, mark = before;  // mark: of the last gain
     TetComplex best_mesh = mesh_;
-    const double most = std::min(options_.largest_move, options_.edges * mean_edge());
     double reach = farthest();
-    for (int idle = 0; idle < options_.idle_rounds && best < target_ && reach < most && !context_.stop();) {
+    const double most =
+        std::min(options_.largest_move, std::max(options_.edges * mean_edge(), options_.further * reach));
+    for (int idle = 0; idle < options_.idle_rounds && best < target_ && !context_.stop();) {
+      if (reach >= most && idle > 0) break;
       reach = std::min(most, options_.growth * reach);
-      round(work, reach);
+      round(work, reach, reach == most);
       ++out.rounds;
       const double now = least(work);
       if (now > best) best = now, best_mesh = mesh_;
@@ -72,6 +74,7 @@ class PlaceOpening {
   }
 
  private:
+  enum class Means { flips, all };
   static constexpr double kGain = 1.03;
 
   // The surface's edges at moved vertices.
@@ -124,7 +127,8 @@ class PlaceOpening {
     return {near.begin(), near.end()};
   }
 
-  void round(LocalOperations& work, double reach) {
+  // last: there is no larger ball.
+  void round(LocalOperations& work, double reach, bool last) {
     scale(work, reach);
     std::vector<Index> near = followers(work);
     for (int sweep = 0; sweep < options_.energy_sweeps; ++sweep) {
@@ -137,12 +141,14 @@ class PlaceOpening {
       bool better = false;
       for (const HomeOfMoved& m : moved_) better |= work.smooth_within(m.vertex, m.home, reach);
       for (const Index v : near) better |= work.smooth(v);
-      better |= reconnect(work);
+      better |= reconnect(work, least(work) > kNearTarget * target_ || last ? Means::all : Means::flips);
       near = followers(work);
       if (!better) break;
     }
   }
   static constexpr double kSettled = 1e-3;  // part of a star's sum
+  // Vertices are inserted and removed where the least quality is more than this part of what is wanted.
+  static constexpr double kNearTarget = 0.3;
 
   // All moves by one factor, the largest that the tets allow.
   void scale(LocalOperations& work, double reach) {
@@ -237,7 +243,8 @@ class PlaceOpening {
     const StarEnergy e = star_energy(v);
     if (!std::isfinite(e.value)) return 0;
     Vector3d step = -e.hessian.ldlt().solve(e.gradient);
-    if (!step.allFinite() || !(step.dot(e.gradient) < 0)) step = -e.gradient * (e.value / e.gradient.squaredNorm());
+    if (!step.allFinite() || !(step.dot(e.gradient) < 0))
+      step = -e.gradient * (e.value / e.gradient.squaredNorm());
     if (!step.allFinite()) return 0;
     const Vector3d from = mesh_.position(v);
     double length = 1;
@@ -253,7 +260,7 @@ class PlaceOpening {
   static constexpr int kHalvings = 12;
 
   // Other tets for the bad ones at moved vertices.
-  bool reconnect(LocalOperations& work) {
+  bool reconnect(LocalOperations& work, Means means) {
     std::set<std::pair<double, Index>> bad;
     std::vector<Index> star;
     for (const HomeOfMoved& m : moved_) {
@@ -263,16 +270,17 @@ class PlaceOpening {
     }
     bool any = false;
     for (const auto& [quality, t] : bad)
-      if (mesh_.alive(t) && work.quality(t) == quality && replace(work, t)) any = true;
+      if (mesh_.alive(t) && work.quality(t) == quality && replace(work, t, means)) any = true;
     return any;
   }
 
-  bool replace(LocalOperations& work, Index t) {
+  bool replace(LocalOperations& work, Index t, Means means) {
     const auto c = mesh_.tet(t);
     for (const auto& [i, j] : kTetEdge)
       if (work.remove_edge(t, c[i], c[j])) return true;
     for (int k = 0; k < 4; ++k)
       if (work.flip_23(t, k)) return true;
+    if (means == Means::flips) return false;
     for (const auto& [i, j] : kTetEdge)
       if (work.collapse(c[i], c[j]) || work.collapse(c[j], c[i])) return true;
     if (work.reconnect(t)) return true;

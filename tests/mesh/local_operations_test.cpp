@@ -120,6 +120,37 @@ TEST(LocalOperations, RandomOperationsKeepEverything) {
   }
 }
 
+// Boundary vertices that may go on inside a ball.
+TEST(LocalOperations, SmoothWithinStaysInTheBallAndMakesTheStarBetter) {
+  const TetMesh mesh = test::bent_grid(4, 500, 0.2, 3);
+  TetComplex c(mesh.V, mesh.T);
+  LocalOperations work(c);
+  std::vector<Index> star;
+  const auto worst = [&](Index v) {
+    c.star(v, star);
+    double q = 1;
+    for (const Index t : star) q = std::min(q, work.quality(t));
+    return q;
+  };
+  int moved = 0, at_the_rim = 0;
+  for (Index v = 0; v < c.vertex_count(); ++v) {
+    const Eigen::Vector3d centre = c.position(v);
+    const double before = worst(v), radius = v % 2 ? 0.02 : 10;
+    if (!work.smooth_within(v, centre, radius)) {
+      EXPECT_EQ(c.position(v), centre);
+      continue;
+    }
+    EXPECT_GT(worst(v), before);
+    const double far = (c.position(v) - centre).norm();
+    EXPECT_LE(far, radius);
+    ++moved;
+    at_the_rim += work.fixed(v) && far > 0.99 * radius;
+  }
+  EXPECT_GT(moved, 10);
+  EXPECT_GT(at_the_rim, 0);
+  test::expect_valid(c);
+}
+
 // Moves, contractions and insertions that make fewer tets bad: what they promise, at random places.
 TEST(LocalOperations, PricesFallAndNoTetFallsTooFar) {
   std::array<int, 3> done{};

@@ -1,4 +1,5 @@
 #include "src/pipeline/pipeline.h"
+#include "src/opening/opening.h"
 
 #include <gtest/gtest.h>
 
@@ -247,6 +248,24 @@ TEST(Pipeline, RepairsWhenAsked) {
   const PipelineResult untouched = run(fine, options);
   expect_mesh(fine, untouched);
   EXPECT_EQ(untouched.report.moved_vertices, 0);
+}
+
+// A sphere with one vertex pulled past a neighbour: the tets at what moved had .07 degrees.
+TEST(Pipeline, RepairLeftSliversAtWhatItMoved) {
+  const Result<Surface> read =
+      read_surface(std::string(OVERTET_SOURCE_DIR) + "/tests/pipeline/cases/repair_sliver.off");
+  ASSERT_TRUE(read) << read.error().message;
+  const Surface& s = read.value();
+  MeshingOptions options;
+  options.on_infeasible = OnInfeasible::repair;
+  const PipelineResult r = run(s, options);
+  ASSERT_TRUE(r.ok()) << r.report.message;
+  EXPECT_EQ(r.report.status, RunStatus::repaired);
+  VerifyOptions moved;
+  moved.max_move = 1.0001 * r.report.max_relative_move;
+  EXPECT_TRUE(verify(s, r.mesh, moved).ok());
+  EXPECT_LE(r.report.max_relative_move, options.max_repair_move);
+  EXPECT_GT(least_angle_at_moved(r.mesh, s.V), 5);
 }
 
 // A face without area ends the diagnosis before the components are measured, by which they are told apart.
