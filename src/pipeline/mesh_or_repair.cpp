@@ -9,6 +9,7 @@
 #include "src/pipeline/finishing.h"
 #include "src/pipeline/repair_route.h"
 #include "src/pipeline/surface_run.h"
+#include "src/pipeline/tuning.h"
 
 namespace overtet {
 
@@ -103,9 +104,8 @@ Result<MeshedSurface> repair_whole(const Surface& surface, const MeshingOptions&
   if (!repaired) return repaired.error();
   RepairedMesh& r = repaired.value();
   if (Status s = opened(job, r); !s) return s.error();
-  // Attempts are improved as far as is usual.
   const bool good_already =
-      r.state == RepairedMesh::State::finished && options.improve_degrees <= MeshingOptions().improve_degrees;
+      r.state == RepairedMesh::State::finished && options.improve_degrees <= kAttemptDegrees;
   Result<TetMesh> mesh = finish_given(
       {r.surface, good_already ? 0 : options.improve_degrees, context, records}, std::move(r.mesh));
   if (!mesh) return mesh.error();

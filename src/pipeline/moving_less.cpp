@@ -62,19 +62,15 @@ class MovingLess {
   MovingLess(const RepairJob& job, RepairedMesh& best) : job_(job), timer_(job), best_(best) {}
 
   Status run() {
-    const bool gentle = best_.moves.max_relative <= RepairOptions().gentle_relative_move;
-    const std::size_t moved = best_.moves.vertices.size();
-    if (gentle && moved <= kFew) return success();
-    most_rounds_ = !gentle ? kRounds : moved > kMany ? 1 : 0;
     for (int time = 0; time < kStraightBack; ++time) {
       Result<bool> in_time = rounds();
       if (!in_time) return in_time.error();
-      if (!in_time.value()) return success();
+      if (!in_time.value() || !too_far()) return success();
       const double before = cost_of(best_);
       // Pulling does not help what was not pulled.
-      const bool last = round_ >= most_rounds_ || work_ >= kRoundsWork || best_.state == State::finished;
+      const bool last = round_ >= kRounds || work_ >= kRoundsWork || best_.state == State::finished;
       if (Status s = straight_back(last ? kStraightBack - time : 1); !s) return s;
-      if (last || cost_of(best_) > kGains * before) break;
+      if (last || !too_far() || cost_of(best_) > kGains * before) break;
     }
     return success();
   }
@@ -83,13 +79,11 @@ class MovingLess {
   double cost_of(const RepairedMesh& r) const { return cost(job_, r.moves); }
   bool too_far() const { return best_.moves.max_relative > job_.allowed(); }
 
-  // Until rounds gain nothing any more. False: there is no time for another one.
+  // Until nothing is too far, or rounds gain nothing any more. False: there is no time for another one.
   Result<bool> rounds() {
     RepairedMesh now = best_;
     bool as_made = false;  // what the last round went on from
-    for (int idle = 0; round_ < most_rounds_ && work_ < kRoundsWork; ++round_) {
-      const bool far = too_far();
-      if (idle >= (far ? kIdleTooFar : kIdle)) break;
+    for (int idle = 0; too_far() && idle < kIdleTooFar && round_ < kRounds && work_ < kRoundsWork; ++round_) {
       const bool finished = now.state == State::finished;
       if (finished && as_made && idle % 2 == 1) {  // there are no other tets of it: the same again
         ++idle;
@@ -102,24 +96,23 @@ class MovingLess {
       const double before = cost_of(best_);
       if (back.value() && cost_of(*back.value()) < before) best_ = *back.value();
       idle = cost_of(best_) > kGains * before ? idle + 1 : 0;
-      // A little worse is another way to go on while everything is too far.
-      const bool on = back.value() && far && cost_of(*back.value()) < kWorse * cost_of(best_);
+      // A little worse is another way to go on.
+      const bool on = back.value() && cost_of(*back.value()) < kWorse * cost_of(best_);
       now = on ? std::move(*back.value()) : best_;
     }
     return timer_.time_left();
   }
 
-  // One round: other tets, and another pull. As long as vertices are further away than allowed, the farthest
-  // are brought nearer at the cost of others; after that as many as can be come home. The same again would
-  // come to the same, so after rounds without gain there are other tets again, and then slower pulls.
+  // One round: other tets, and another pull, which brings the farthest nearer at the cost of others. The same
+  // again would come to the same, so after rounds without gain there are other tets again, and then slower
+  // pulls.
   Result<std::optional<RepairedMesh>> pulled_again(const RepairedMesh& from, int idle) {
     Result<std::optional<RepairedMesh>> fresh =
         refreshed(from, idle % 2 == 1 ? OtherTets::made_anew : OtherTets::improved);
     if (!fresh || !fresh.value()) return fresh;
     const Pull::Pace pace = idle >= 2 ? Pull::Pace::slow : Pull::Pace::quick;
-    const double allowed = job_.allowed(), most = best_.moves.max_relative;
-    Pull pull{pace, allowed, Pull::Aim::home};
-    if (most > allowed) pull = {pace, std::max(kNearer * most, kWithin * allowed), Pull::Aim::nearer};
+    const double most = best_.moves.max_relative;
+    const Pull pull{pace, std::max(kNearer * most, kWithin * job_.allowed()), Pull::Aim::nearer};
     Result<std::optional<RepairedMesh>> nearer = pull_of(*fresh.value(), pull);
     if (!nearer || from.state != State::brought_nearer) return nearer;
     // What was only brought nearer has not tried to go home from there yet.
@@ -199,7 +192,7 @@ class MovingLess {
   const RepairJob& job_;
   RoundTimer timer_;
   RepairedMesh& best_;
-  int round_ = 0, most_rounds_ = 0;
+  int round_ = 0;
   double work_ = 0;  // of all rounds; VolumeMapResult::work
 };
 

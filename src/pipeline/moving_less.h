@@ -1,9 +1,9 @@
-// The last step of a repair: fewer vertices that move, and less far, in rounds.
+// A step of repairs that moved vertices further than is allowed: less far, in rounds.
 //
 // What a pull leaves away from its place is held by the tets around it. Among others (the mesh improved, or
-// the surface meshed anew) it is free again, and is pulled once more. As long as vertices are further away
-// than allowed, the farthest come nearer at the cost of others; after that as many as can go home. Then
-// straight back, vertex by vertex, as far as the diagnosis does not object (src/repair/lessening.h).
+// the surface meshed anew) it is free again, and is pulled once more: the farthest come nearer at the
+// cost of others. Then straight back, vertex by vertex, as far as the diagnosis does not object
+// (src/repair/lessening.h).
 //
 // Work is counted, not timed, except where the run has a time limit: then that is noted.
 #pragma once

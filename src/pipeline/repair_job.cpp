@@ -21,7 +21,7 @@ namespace {
 // repaired surface does not depend on what becomes of the mesh afterwards.
 MeshingOptions options_of_attempts(const RepairJob& job) {
   MeshingOptions options = job.options;
-  options.improve_degrees = MeshingOptions().improve_degrees;
+  options.improve_degrees = kAttemptDegrees;
   options.resume.clear();  // its states are the input's
   return options;
 }

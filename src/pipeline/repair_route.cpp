@@ -78,10 +78,13 @@ class Repairing {
       if (!there_and_back) return there_and_back.error();
       if (!there_and_back.value()) continue;
       RepairedMesh best = std::move(*there_and_back.value());
-      const bool promising = best.moves.max_relative <= kPromising * job_.allowed();
-      if (promising)
-        if (Status s = move_less(job_, best); !s) return s.error();
+      // What is near enough gets room after this, and goes further: no smaller moves are looked for.
       if (best.moves.max_relative <= job_.allowed()) return best;
+      const bool promising = best.moves.max_relative <= kPromising * job_.allowed();
+      if (promising) {
+        if (Status s = move_less(job_, best); !s) return s.error();
+        if (best.moves.max_relative <= job_.allowed()) return best;
+      }
       if (!nearest || best.moves.max_relative < nearest->moves.max_relative) {
         nearest = std::move(best);
         moved_less = promising;

@@ -187,7 +187,8 @@ TEST(Scale, DirectionsMayHaveAnyLength) {
   const double m[3] = {0.1, 0.05, 0.02}, d[3] = {0.3, -0.7, 0.2};
   const exact::Point start(m);
   const exact::Vec direction = exact::vec(d);
-  const exact::RayCount want = rays.count(start, exact::Point(direction), nullptr, {}, true);
+  const exact::RayCount want =
+      rays.count(start, exact::Point(direction), nullptr, {}, exact::RayQuestion::winding_and_nearest);
   ASSERT_EQ(want.winding, 1);
   for (const int power : {-5000, -1100, -1000, -500, 500, 1000, 1100, 5000}) {
     exact::Rational factor = 1;
@@ -197,9 +198,8 @@ TEST(Scale, DirectionsMayHaveAnyLength) {
       mpq_div_2exp(factor.get_mpq_t(), factor.get_mpq_t(), static_cast<mp_bitcnt_t>(-power));
     const exact::Point far(factor * direction);
     for (const double x : far.near) EXPECT_TRUE(std::isfinite(x));
-    const exact::RayCount got = rays.count(start, far, nullptr, {}, true);
+    const exact::RayCount got = rays.count(start, far, nullptr, {}, exact::RayQuestion::winding_and_nearest);
     EXPECT_EQ(got.winding, want.winding);
-    EXPECT_EQ(got.nearest_face, want.nearest_face);
     EXPECT_EQ(*got.nearest * factor, *want.nearest);
     for (Index f = 0; f < s.F.rows(); ++f)
       EXPECT_EQ(rays.passes(start, far, f), rays.passes(start, exact::Point(direction), f));

@@ -11,14 +11,14 @@
 #include "src/cdt/tetgen.h"
 #include "src/mesh/local_operations.h"
 #include "src/mesh/tet_complex.h"
-#include "tests/support/tet_shapes.h"
 #include "tests/support/tet_checks/tet_checks.h"
+#include "tests/support/tet_shapes.h"
 
 namespace overtet {
 namespace {
 
-// A mesh, some surface vertices of which are pressed inwards until a tet is nearly flat, and where they would have
-// been next: homes at which tets are not positive.
+// A mesh, some surface vertices of which are pressed inwards until a tet is nearly flat, and where they would
+// have been next: homes at which tets are not positive.
 struct Pressed {
   TetMesh mesh;
   VertexMatrix home;
