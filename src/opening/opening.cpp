@@ -64,7 +64,8 @@ Status OpeningOptions::validate() const {
   if (layers < 1 || idle_rounds < 1 || energy_sweeps < 0 || worst_sweeps < 0)
     return Error{ErrorCode::usage,
                  "layers and idle_rounds must be at least 1, and numbers of sweeps not negative."};
-  if (!(worthwhile >= 1)) return Error{ErrorCode::usage, "worthwhile must be at least 1."};
+  if (!(worthwhile >= 1 && gain >= 1))
+    return Error{ErrorCode::usage, "worthwhile and gain must be at least 1."};
   return success();
 }
 

@@ -30,12 +30,14 @@ struct OpeningOptions {
   // Nor further than the mean edge of the surface at its place, times `edges`, beyond which it is another
   // shape; or than the repair's largest move there, times `further`, where that is more.
   double edges = 1, further = 1.5;
-  double growth = 1.25;                      // of the balls, from one round to the next
-  int layers = 3;                            // of tets around moved vertices that take part
-  int idle_rounds = 4;                       // in a row without a gain of 3 %: enough
+  double growth = 1.25;  // of the balls, from one round to the next
+  int layers = 3;        // of tets around moved vertices that take part
+  // Enough, where the least quality has not grown by the factor `gain` in so many rounds.
+  double gain = 1.03;
+  int idle_rounds = 4;
   int energy_sweeps = 12, worst_sweeps = 6;  // in each round, at most
-  double worthwhile =
-      1.3;  // the least angle at a place must grow by this factor; else the place stays as it was
+  // A place where the least quality has not grown by this factor in the end stays as it was.
+  double worthwhile = 1.3;
 
   Status validate() const;
 };

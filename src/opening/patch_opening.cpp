@@ -12,6 +12,7 @@
 #include "kernels/tet_energy/tet_energy.h"
 #include "kernels/tet_energy/tet_quality.h"
 #include "src/mesh/local_operations.h"
+#include "src/mesh/tuning.h"
 
 namespace overtet {
 
@@ -58,7 +59,7 @@ class PlaceOpening {
       ++out.rounds;
       const double now = least(work);
       if (now > best) best = now, best_mesh = mesh_;
-      if (best > kGain * mark) {
+      if (best > options_.gain * mark) {
         mark = best;
         idle = 0;
       } else {
@@ -75,7 +76,6 @@ class PlaceOpening {
 
  private:
   enum class Means { flips, all };
-  static constexpr double kGain = 1.03;
 
   // The surface's edges at moved vertices.
   double mean_edge() const {
@@ -132,10 +132,10 @@ class PlaceOpening {
     scale(work, reach);
     std::vector<Index> near = followers(work);
     for (int sweep = 0; sweep < options_.energy_sweeps; ++sweep) {
-      double gained = 0;
-      for (const HomeOfMoved& m : moved_) gained = std::max(gained, descend(work, m.vertex, &m, reach));
-      for (const Index v : near) gained = std::max(gained, descend(work, v, nullptr, reach));
-      if (gained < kSettled) break;
+      bool lower = false;
+      for (const HomeOfMoved& m : moved_) lower |= descend(work, m.vertex, &m, reach);
+      for (const Index v : near) lower |= descend(work, v, nullptr, reach);
+      if (!lower) break;
     }
     for (int sweep = 0; sweep < options_.worst_sweeps; ++sweep) {
       bool better = false;
@@ -146,7 +146,6 @@ class PlaceOpening {
       if (!better) break;
     }
   }
-  static constexpr double kSettled = 1e-3;  // part of a star's sum
   // Vertices are inserted and removed where the least quality is more than this part of what is wanted.
   static constexpr double kNearTarget = 0.3;
 
@@ -237,27 +236,24 @@ class PlaceOpening {
     return out;
   }
 
-  // A Newton step of one vertex, halved until it helps. Returns the part of the sum that it gained.
-  double descend(LocalOperations& work, Index v, const HomeOfMoved* held, double reach) {
+  // A Newton step of one vertex, halved until it helps.
+  bool descend(LocalOperations& work, Index v, const HomeOfMoved* held, double reach) {
     mesh_.star(v, star_);
     const StarEnergy e = star_energy(v);
-    if (!std::isfinite(e.value)) return 0;
+    if (!std::isfinite(e.value)) return false;
     Vector3d step = -e.hessian.ldlt().solve(e.gradient);
     if (!step.allFinite() || !(step.dot(e.gradient) < 0))
       step = -e.gradient * (e.value / e.gradient.squaredNorm());
-    if (!step.allFinite()) return 0;
+    if (!step.allFinite()) return false;
     const Vector3d from = mesh_.position(v);
     double length = 1;
-    for (int halving = 0; halving < kHalvings; ++halving, length *= 0.5) {
+    for (int halving = 0; halving < kMostHalvings; ++halving, length *= 0.5) {
       Vector3d to = from + length * step;
       if (held) to = inside(to, held->home, reach);
-      const double value = star_sum(v, to);
-      if (!(value < e.value)) continue;
-      if (work.place(v, to)) return (e.value - value) / e.value;
+      if (star_sum(v, to) < e.value && work.place(v, to)) return true;
     }
-    return 0;
+    return false;
   }
-  static constexpr int kHalvings = 12;
 
   // Other tets for the bad ones at moved vertices.
   bool reconnect(LocalOperations& work, Means means) {
