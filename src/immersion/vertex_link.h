@@ -23,7 +23,8 @@ struct VertexLink {
 
 // Whether the copies make spheres (where they do not end at the vertex) and discs: what vertices of a solid
 // need. Fans only see edges: a disc that turns twice at its border, and a handle that does, look the same to
-// them. chosen: per region, its gluing. pre: it satisfies all fans at the vertex.
+// them. chosen: per region, its gluing. Fans need not be satisfied: what hangs together around a
+// corner is one point of the link, however often it turns there.
 bool makes_discs(const VertexLink& link, const std::vector<const Gluing*>& chosen,
                  const std::vector<Region>& regions);
 

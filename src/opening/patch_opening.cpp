@@ -13,6 +13,7 @@
 #include "kernels/tet_energy/tet_quality.h"
 #include "src/mesh/local_operations.h"
 #include "src/mesh/tuning.h"
+#include "src/opening/tuning.h"
 
 namespace overtet {
 
@@ -20,8 +21,6 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 double degrees_of(double sine) { return std::asin(std::min(1.0, sine)) * 180 / std::numbers::pi; }
 
@@ -105,7 +104,7 @@ class PlaceOpening {
   }
 
   double least(const LocalOperations& work) const {
-    double q = kInfinite;
+    double q = std::numeric_limits<double>::infinity();
     std::vector<Index> star;
     for (const HomeOfMoved& m : moved_) {
       mesh_.star(m.vertex, star);
@@ -146,8 +145,6 @@ class PlaceOpening {
       if (!better) break;
     }
   }
-  // Vertices are inserted and removed where the least quality is more than this part of what is wanted.
-  static constexpr double kNearTarget = 0.3;
 
   // All moves by one factor, the largest that the tets allow.
   void scale(LocalOperations& work, double reach) {
@@ -212,7 +209,7 @@ class PlaceOpening {
       Vector3d p[4];
       for (int k = 0; k < 4; ++k) p[k] = mesh_.tet(t)[k] == v ? x : mesh_.position(mesh_.tet(t)[k]);
       const double e = shape_energy(p[0], p[1], p[2], p[3], 1, 0);
-      if (!std::isfinite(e)) return kInfinite;
+      if (!std::isfinite(e)) return std::numeric_limits<double>::infinity();
       sum += e * std::sqrt(e);
     }
     return sum;
@@ -225,7 +222,7 @@ class PlaceOpening {
       const auto& c = mesh_.tet(t);
       const double value = shape_energy(mesh_.position(c[0]), mesh_.position(c[1]), mesh_.position(c[2]),
                                         mesh_.position(c[3]), 1, 0, e);
-      if (!std::isfinite(value)) return {kInfinite, out.gradient, out.hessian};
+      if (!std::isfinite(value)) return {std::numeric_limits<double>::infinity(), out.gradient, out.hessian};
       const int row = 3 * mesh_.corner(t, v);
       const Vector3d g = e.gradient.segment<3>(row);
       const double root = std::sqrt(value);

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "kernels/bvh/self_intersections.h"
 #include "src/certificates/diagnose.h"
 #include "src/forward_flow/forward_flow.h"
 #include "src/pipeline/moving_less.h"
@@ -142,9 +143,9 @@ class Repairing {
     Result<ForwardFlowResult> flowed = timed_stage(
         "forward_flow", job_.records, job_.context, [&](StageRecord& record) -> Result<ForwardFlowResult> {
           std::vector<std::array<Index, 2>> pairs;
-          Result<Diagnosis> d = diagnose(job_.surface, {}, job_.context);
-          if (!d) return d.error();
-          for (const auto& [f, g] : d.value().pairs) pairs.push_back({f, g});
+          // All of them; a diagnosis ends before where a face has no area.
+          for (const auto& [f, g] : find_self_intersections(job_.surface.V, job_.surface.F))
+            pairs.push_back({f, g});
           ForwardFlowOptions options;
           options.keep_states = false;
           Result<ForwardFlowResult> r = forward_flow(job_.surface, pairs, options, job_.context);

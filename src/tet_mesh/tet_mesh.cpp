@@ -10,7 +10,6 @@
 #include "kernels/predicates/predicates.h"
 #include "src/mesh/local_operations.h"
 #include "src/mesh/tet_complex.h"
-#include "src/mesh/topology.h"
 
 namespace overtet {
 
@@ -111,7 +110,6 @@ Status TetMeshOptions::validate() const {
 Result<TetMeshResult> tet_mesh(const Surface& embedded, const TetMeshOptions& options,
                                const RunContext& context) {
   if (auto status = options.validate(); !status.ok()) return status.error();
-  OVERTET_EXPECTS(require_topology(embedded));
   const auto begin = RunContext::Clock::now();
   TetgenOptions tetgen;
   tetgen.quality = options.quality;
