@@ -79,13 +79,23 @@ class NearbySurface {
   explicit NearbySurface(const MeshingJob& job) : job_(job) {}
 
   Result<TetMesh> run() {
+    std::vector<TetMesh> meshes;
     for (const Nudge& nudge :
          {Nudge{Nudge::Direction::outward, kNudges[0]}, Nudge{Nudge::Direction::random, kNudges[0]},
           Nudge{Nudge::Direction::random, kNudges[1]}}) {
       Result<TetMesh> nearby = mesh_of(nudged(job_.surface, nudge));
-      if (nearby) nearby = brought_home(std::move(nearby).value());
+      if (nearby) {
+        meshes.push_back(nearby.value());
+        nearby = brought_home(std::move(nearby).value(), 1, kHastyWork);
+      }
       if (nearby || ends_run(nearby.error())) return nearby;
       failure_ = nearby.error();
+    }
+    // None came home at once: now more patiently.
+    for (TetMesh& mesh : meshes) {
+      Result<TetMesh> home = brought_home(std::move(mesh), kInVain, kRoundsWork);
+      if (home || ends_run(home.error())) return home;
+      failure_ = home.error();
     }
     return failure_;
   }
@@ -107,17 +117,17 @@ class NearbySurface {
   }
 
   // Back to the input, in rounds: among other tets what was locked may be free again.
-  Result<TetMesh> brought_home(TetMesh mesh) {
+  Result<TetMesh> brought_home(TetMesh mesh, int most_rounds, double work) {
     return timed_stage("volume_map", job_.records, job_.context, [&](StageRecord& record) -> Result<TetMesh> {
       for (int round = 0;; ++round) {
         std::optional<TetMesh> locked;
         VolumeMapOptions options;
-        options.work = kRoundsWork;
+        options.work = work;
         options.on_locked = [&](const TetMesh& at, const std::vector<Index>&) { locked = at; };
         Result<VolumeMapResult> r = volume_map(mesh, job_.surface.V, {}, options, job_.context);
         record.iterations = round + 1;
         if (r) return std::move(r.value().mesh);
-        if (!locked || round + 1 == kInVain) return r.error();
+        if (!locked || round + 1 == most_rounds) return r.error();
         mesh = std::move(*locked);
         Result<ImproveResult> better = improve(mesh, {}, job_.context);
         if (!better) return better.error();

@@ -27,6 +27,9 @@ constexpr double kHalfTime = 0.5, kMapTime = 0.8;
 
 // --- The way by a surface nearby (nearby_surface.cpp) ---
 
+// Work of the first pull home (src/volume_map/volume_map.h): where it is not enough, another surface may be
+// nearer.
+constexpr double kHastyWork = 2e7;
 // How far vertices move, of the diagonal: far enough for digits, or near enough for small details. And no
 // further than this share of the shortest edge.
 constexpr double kNudges[] = {1e-3, 1e-4}, kNudgeOfEdge = 0.25;
