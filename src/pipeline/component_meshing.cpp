@@ -10,6 +10,7 @@
 #include "src/cdt/tetgen.h"
 #include "src/cdt/tuning.h"
 #include "src/immersion/immersion.h"
+#include "src/pipeline/nearby_surface.h"
 #include "src/pipeline/stage_clock.h"
 #include "src/pipeline/tuning.h"
 
@@ -135,6 +136,7 @@ class PartsMesher {
     }
     record.figures.emplace_back("groups", static_cast<std::int64_t>(done_.size()));
     record.figures.emplace_back("immersed", immersed_);
+    record.figures.emplace_back("by_nearby_surface", nearby_);
     TetMesh mesh = united(job_.surface.V, {done_.begin(), done_.end()});
     record.figures.emplace_back("tets", std::int64_t{mesh.T.rows()});
     return mesh;
@@ -226,15 +228,23 @@ class PartsMesher {
     if (!d) return d.error();
     if (auto refused = refuse(d.value())) return *refused;
     Result<ImmersionResult> r = immerse(s, d.value().pairs, d.value().wound.edges, {}, job_.context);
-    if (!r) return r.error();
-    ++immersed_;
-    piece.mesh = std::move(r.value().mesh);
+    if (r) {
+      ++immersed_;
+      piece.mesh = std::move(r.value().mesh);
+      return piece;
+    }
+    if (ends_run(r.error()) || group.size() > 1) return r.error();
+    std::vector<StageRecord> records;  // of this stage, which has one record
+    Result<TetMesh> nearby = mesh_by_nearby_surface({s, job_.box, d.value(), job_.context, records});
+    if (!nearby) return ends_run(nearby.error()) ? nearby.error() : r.error();
+    ++nearby_;
+    piece.mesh = std::move(nearby).value();
     return piece;
   }
 
   const MeshingJob& job_;
   std::vector<Piece> done_;
-  std::int64_t immersed_ = 0;
+  std::int64_t immersed_ = 0, nearby_ = 0;
 };
 
 }  // namespace

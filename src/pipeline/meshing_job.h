@@ -21,10 +21,10 @@ struct MeshingJob {
   const RunContext& context;
   std::vector<StageRecord>& records;  // every stage adds its own
   Preset preset = Preset::standard;
-  double patience = 1;                     // with TetGen; src/cdt/tetgen.h
-  StageFiles* save = nullptr;              // where to keep the states
-  const StageFiles* resume = nullptr;      // states of an earlier run
-  std::optional<Error> part_without_mesh;  // of a part that has none by itself: why
+  double patience = 1;                          // with TetGen; src/cdt/tetgen.h
+  StageFiles* save = nullptr;                   // where to keep the states
+  const StageFiles* resume = nullptr;           // states of an earlier run
+  std::optional<Error> part_without_mesh = {};  // of a part that has none by itself: why
 };
 
 // Keeps a state where the user asked for that. Errors: io.

@@ -51,5 +51,19 @@ TEST(Feasible, PointsCouldNotBeMovedIntoThinKernels) {
   meshed("growing.off");
 }
 
+// Parts with edges that coincide with something: no part but one had a mesh by itself, so all were immersed
+// together, and there was no answer in a minute.
+TEST(Feasible, PartsThatNeedANearbySurfaceWereImmersedTogether) {
+  const Result<Surface> read =
+      read_surface(std::string(OVERTET_SOURCE_DIR) + "/tests/pipeline/cases/parts_that_coincide.off");
+  ASSERT_TRUE(read) << read.error().message;
+  MeshingOptions options;
+  options.improve_degrees = 0;
+  const PipelineResult r = run_pipeline(read.value(), options, {});
+  ASSERT_TRUE(r.ok()) << r.report.message;
+  EXPECT_TRUE(verify(read.value(), r.mesh).ok());
+  for (const StageRecord& record : r.report.stages) EXPECT_NE(record.name, "immersion");
+}
+
 }  // namespace
 }  // namespace overtet
