@@ -6,6 +6,10 @@ include(CMakePackageConfigHelpers)
 set(OVERTET_HELPER_DIR ${CMAKE_INSTALL_LIBEXECDIR}/overtet)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/overtet)
 
+if(OVERTET_SHARED)  # the program finds the library wherever the whole has been moved
+  file(RELATIVE_PATH from_bin ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
+  set_target_properties(overtet PROPERTIES INSTALL_RPATH "$ORIGIN/${from_bin}")
+endif()
 install(TARGETS overtet RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
 install(TARGETS overtet-tetgen RUNTIME DESTINATION ${OVERTET_HELPER_DIR} COMPONENT program)
 install(TARGETS overtet_library EXPORT overtet
@@ -33,4 +37,6 @@ endif()
 configure_file(cmake/overtet.pc.in ${CMAKE_BINARY_DIR}/package/overtet.pc @ONLY)
 install(FILES ${CMAKE_BINARY_DIR}/package/overtet.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
   COMPONENT development)
-include(OvertetPackage)
+if(NOT OVERTET_SHARED)
+  include(OvertetPackage)
+endif()

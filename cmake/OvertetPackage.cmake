@@ -1,5 +1,5 @@
 # cpack -G DEB: two packages for Debian, `overtet` (the program and its helper) and `libovertet-dev` (headers and the
-# static library, which needs the helper).
+# static library, which needs the helper). Of a static build: nobody has asked for a package of the shared library yet.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME overtet)
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "tetrahedral meshes of surfaces that pass through themselves")
