@@ -237,8 +237,9 @@ TEST(Pipeline, RepairsWhenAsked) {
   const VerifyResult v = verify(s, r.mesh, moved);
   EXPECT_TRUE(v.ok()) << v.summary();
   EXPECT_EQ(v.moved_vertices, r.report.moved_vertices);
-  // Meshes are made on the way, but none that moves as little as this.
-  options.max_repair_move = 0.3 * r.report.max_relative_move;
+  // Meshes are made on the way, but none that moves as little as this, and none that is worth rounds of
+  // moving less.
+  options.max_repair_move = 0.05 * r.report.max_relative_move;
   const PipelineResult refused = run(s, options);
   EXPECT_EQ(refused.exit_code(), 5) << refused.report.message;
   EXPECT_TRUE(refused.report.certificate.has_value());
