@@ -31,7 +31,7 @@ function(overtet_room name)
   set_property(GLOBAL APPEND PROPERTY OVERTET_OBJECTS $<TARGET_OBJECTS:overtet_${name}>)
 endfunction()
 
-# overtet_unity(TARGET): with OVERTET_UNITY, files of one target are compiled some at a time, in half the CPU time:
+# overtet_unity(TARGET): with OVERTET_UNITY, files of one target are compiled some at a time, in two thirds of the CPU time:
 # templates are instantiated once for all of them. So what two files of a target keep to themselves needs two
 # names. Debug builds compile each file by itself.
 function(overtet_unity target)
