@@ -33,7 +33,7 @@ struct Moves {
 struct RepairedMesh {
   enum class State {
     finished,       // improved and checked
-    pulled,         // towards the input since then: to be improved and checked again
+    pulled,         // its vertices moved since then: to be improved and checked again
     brought_nearer  // the same, but what was too far away was brought nearer at most, and not pulled home
   };
   Surface surface;
