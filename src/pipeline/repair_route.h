@@ -8,11 +8,10 @@
 //  2. Back: the boundary of that mesh is pulled to the input again, every tet positive all the way
 //     (src/volume_map). Most vertices come home. What is locked ends as near to its place as it gets, and
 //     where that is too far, its neighbours give way.
-//  3. Where vertices are further away than allowed: less, in rounds. Among other tets (the mesh improved, or
-//  the surface
-//     meshed anew) what was locked is free again, and is pulled once more: the farthest come nearer at the
-//     cost of others. Then straight back, vertex by vertex, as far as the diagnosis does not object
-//     (moving_less.h).
+//  3. Less, in rounds, where vertices are further away than allowed: among other tets (the mesh improved, or
+//     the surface meshed anew) what was locked is free again, and is pulled once more; the farthest come
+//     nearer at the cost of others. Then straight back, vertex by vertex, as far as the diagnosis does not
+//     object (moving_less.h). What is within the limit gets room after that (src/opening).
 //
 // The second step finds what no smoothing can: how parts that are inside out fold up best. Where it does not
 // make things better, the first step's result stands; likewise with the third. Work is counted, not timed.
