@@ -24,7 +24,7 @@ mesh exists, it says why in a way that anyone can check.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libovertet-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "overtet (= ${PROJECT_VERSION}), libeigen3-dev, libtbb-dev, \
-libsuitesparse-dev, libgmp-dev, libmpfr-dev")
+libsuitesparse-dev, libcadical-dev, libgmp-dev, libmpfr-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION
   "Overtet fills a closed triangle surface with tetrahedra that overlap where
 the surface does. This package has what programs need that call it: the headers,

@@ -57,12 +57,16 @@ concept GluingProblem = requires(P& p, Index region, Index option, Index& blame,
 
 enum class SolverAnswer { found, none, too_long };
 
+// How far to go: until all regions have a gluing, or only as long as a region has a single option left.
+enum class SolverGoal { all, what_follows };
+
 // Before anything is chosen: at all regions, or only up to the first one without options.
 enum class FirstLook { at_all, until_stuck };
 
 // Backtracking over some regions that are open. What is chosen next: a region without options, or else that
 // of the lowest rank; ranks grow with dead ends (dom/wdeg, Boussemart and others 2004), so that a second
-// attempt begins where the first has failed. After `found` all are chosen, otherwise none.
+// attempt begins where the first has failed. After `found` all are chosen (or, if that is the goal, all that
+// follows), otherwise none.
 template <GluingProblem P>
 class GluingSolver {
  public:
@@ -76,7 +80,7 @@ class GluingSolver {
     for (std::size_t i = 0; i < regions.size(); ++i) at_[regions[i]] = i, stale_.insert(i), rank(i);
   }
 
-  SolverAnswer run(FirstLook first) {
+  SolverAnswer run(FirstLook first, SolverGoal goal = SolverGoal::all) {
     if (first == FirstLook::at_all) look_at_stale(FirstLook::at_all);
     for (;;) {
       look_at_stale(FirstLook::until_stuck);
@@ -84,6 +88,8 @@ class GluingSolver {
         if (problem_.accepts()) return SolverAnswer::found;
       } else {
         const std::size_t best = next_.next();
+        if (goal == SolverGoal::what_follows && (!left_[best] || left_[best]->size() > 1))
+          return SolverAnswer::found;
         if (!left_[best]) {
           if (!problem_.list_options(regions_[best])) return give_up(SolverAnswer::none);
           look(best);

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "kernels/core/tuning.h"
 #include "kernels/parallel/parallel.h"
 #include "src/cdt/tetgen.h"
 #include "src/immersion/boundary_recovery.h"
@@ -72,6 +73,38 @@ Status return_home(const Surface& surface, const RunContext& context, TetComplex
                std::array<double, 3>{p[0], p[1], p[2]}};
 }
 
+struct Realised {
+  bool glued = false;
+  std::optional<Error> failure;
+};
+
+// Glues the cells of out.arrangement and makes a mesh of them.
+Realised realise(const Surface& surface, const TetgenResult& tets, std::span<const WoundEdge> wound,
+                 int variant, Stopwatch& watch, const RunContext& context, ImmersionResult& out) {
+  Result<Sheets> sheets = assign_sheets(surface, out.arrangement, tets, wound, variant, context);
+  if (!sheets) return {false, sheets.error()};
+  out.cells = static_cast<Index>(sheets.value().winding.size());
+  out.regions = static_cast<Index>(sheets.value().regions.size());
+  out.constraints = sheets.value().constraints;
+  out.search_nodes += sheets.value().search_nodes;
+  for (const Index w : sheets.value().winding) out.winding_max = std::max(out.winding_max, w);
+  Result<Cover> cover = build_cover(surface, out.arrangement, tets, sheets.value(), context);
+  if (!cover) return {false, cover.error()};
+  out.sheets_seconds += watch.lap();
+
+  context.report("immersion", 0.8, "boundary points");
+  TetComplex complex(cover.value().mesh.V, cover.value().mesh.T, cover.value().neighbours);
+  const Status cleared = clear_boundary(surface, cover.value(), context, complex, out);
+  out.cover = std::move(cover).value().mesh;
+  out.boundary_seconds += watch.lap();
+  if (!cleared) return {true, cleared.error()};
+  if (out.arrangement.tolerant)
+    if (Status home = return_home(surface, context, complex); !home) return {true, home.error()};
+  complex.compact(static_cast<Index>(surface.V.rows()));
+  out.mesh = complex.to_mesh(static_cast<Index>(surface.V.rows()));
+  return {true, std::nullopt};
+}
+
 // tolerance: of the arrangement; 0: exact.
 Result<ImmersionResult> attempt(const Surface& surface, const std::vector<FacePair>& pairs,
                                 std::span<const WoundEdge> wound, const ImmersionOptions& options,
@@ -112,28 +145,15 @@ Result<ImmersionResult> attempt(const Surface& surface, const std::vector<FacePa
   out.tetgen_parts = tets.value().parts;
 
   context.report("immersion", 0.6, "gluing");
-  Result<Sheets> sheets = assign_sheets(surface, out.arrangement, tets.value(), wound, context);
-  if (!sheets) return sheets.error();
-  out.cells = static_cast<Index>(sheets.value().winding.size());
-  out.regions = static_cast<Index>(sheets.value().regions.size());
-  out.constraints = sheets.value().constraints;
-  out.search_nodes = sheets.value().search_nodes;
-  for (const Index w : sheets.value().winding) out.winding_max = std::max(out.winding_max, w);
-  Result<Cover> cover = build_cover(surface, out.arrangement, tets.value(), sheets.value(), context);
-  if (!cover) return cover.error();
-  out.sheets_seconds = watch.lap();
-
-  context.report("immersion", 0.8, "boundary points");
-  TetComplex complex(cover.value().mesh.V, cover.value().mesh.T, cover.value().neighbours);
-  const Status cleared = clear_boundary(surface, cover.value(), context, complex, out);
-  out.cover = std::move(cover).value().mesh;
-  out.boundary_seconds = watch.lap();
-  if (!cleared) return cleared.error();
-  if (out.arrangement.tolerant)
-    if (Status home = return_home(surface, context, complex); !home) return home.error();
-  complex.compact(static_cast<Index>(surface.V.rows()));
-  out.mesh = complex.to_mesh(static_cast<Index>(surface.V.rows()));
-  return out;
+  // Where points cannot leave the boundary of one solution, they may be able to leave that of another one.
+  std::optional<Error> failure;
+  for (int variant = 0; variant < kInVain; ++variant) {
+    const Realised done = realise(surface, tets.value(), wound, variant, watch, context, out);
+    if (!done.failure) return out;
+    if (!failure || done.failure->code != ErrorCode::unsolved) failure = done.failure;
+    if (failure->code != ErrorCode::unsolved || !done.glued) break;
+  }
+  return *failure;
 }
 
 // Faces that intersect and nearly lie in one plane: where exact cuts depend on the last bits.

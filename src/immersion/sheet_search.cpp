@@ -6,16 +6,25 @@
 #include <numeric>
 
 #include "kernels/core/tuning.h"
-#include "src/covering/tuning.h"
 #include "src/immersion/tuning.h"
 
 namespace overtet {
 
 SheetSearch::SheetSearch(const std::vector<Region>& regions, const std::vector<Index>& winding,
-                         const SheetPuzzle& puzzle, const RunContext& context, std::int64_t most_nodes)
-    : regions_(regions), winding_(winding), puzzle_(puzzle), context_(context), most_nodes_(most_nodes) {}
+                         const SheetPuzzle& puzzle, const RunContext& context)
+    : regions_(regions), winding_(winding), puzzle_(puzzle), context_(context) {}
 
 bool SheetSearch::solve() { return list_gluings() && gather_conditions() && search_parts(); }
+
+bool SheetSearch::settle() {
+  if (!list_gluings() || !gather_conditions()) return false;
+  std::vector<Index> open;
+  for (Index r = 0; r < static_cast<Index>(regions_.size()); ++r)
+    if (!chosen_[r]) open.push_back(r);
+  weights_.of.assign(puzzle_.fans.size() + puzzle_.links.size(), 1);
+  work_.end = kMostNodes;
+  return GluingSolver(*this, open).run(FirstLook::at_all, SolverGoal::what_follows) != SolverAnswer::none;
+}
 
 // Of every region that has not too many; chooses where there is one only. False: a region has none.
 bool SheetSearch::list_gluings() {
@@ -70,8 +79,6 @@ bool SheetSearch::gather_conditions() {
       if (!chosen_[r]) around_[r].fans.push_back(c);
     open_members_.emplace(c, std::move(members));
   }
-  for (Index i = 0; i < static_cast<Index>(puzzle_.free_fans.size()); ++i)
-    for (const auto& leaf : puzzle_.free_fans[i].fan.leaves) add(around_[leaf.region].free_fans, i);
   for (Index i = 0; i < static_cast<Index>(puzzle_.links.size()); ++i) {
     const VertexLink& link = puzzle_.links[i];
     if (is_complete(link)) {
@@ -98,8 +105,6 @@ bool SheetSearch::search_parts() {
       const Around& around = around_[part[i]];
       for (const Index c : around.fans)
         for (const Index r : open_members_.at(c)) add(r);
-      for (const Index c : around.free_fans)
-        for (const auto& leaf : puzzle_.free_fans[c].fan.leaves) add(leaf.region);
       for (const Index c : around.links)
         for (const auto& arc : puzzle_.links[c].arcs) add(arc.region);
     }
@@ -122,7 +127,6 @@ std::optional<std::vector<Index>> SheetSearch::possible(Index r, Index& blame) {
     return std::nullopt;
   }
   std::vector<Index> out;
-  std::vector<std::pair<double, Index>> costs;
   for (const Index o : candidates) {
     chosen_[r] = &options_[r].gluings[o];
     bool fits = true;
@@ -133,23 +137,10 @@ std::optional<std::vector<Index>> SheetSearch::possible(Index r, Index& blame) {
         break;
       }
     }
-    // Free edges: some number of turns must fit; options that need the fewest unproposed ones come first.
-    double cost = 0;
-    for (const Index c : around_[r].free_fans) {
-      if (!fits) break;
-      const FreeFan& f = puzzle_.free_fans[c];
-      if (!is_complete(f.fan)) continue;
-      const int turns = turns_at(f);
-      fits = turns >= 0;
-      if (!fits) blame = static_cast<Index>(puzzle_.fans.size()) + c;
-      cost += (turns != f.given) + (turns > 0 && f.pierced ? kFarMore : 0);
-    }
-    if (fits && fits_links(r, blame)) costs.emplace_back(cost, o);
+    if (fits && fits_links(r, blame)) out.push_back(o);
   }
   work_.looks += static_cast<std::int64_t>(candidates.size());
   chosen_[r] = nullptr;
-  std::sort(costs.begin(), costs.end());
-  for (const auto& [cost, o] : costs) out.push_back(o);
   return out;
 }
 
@@ -168,7 +159,7 @@ bool SheetSearch::is_complete(const VertexLink& link) const {
 bool SheetSearch::fits_links(Index r, Index& blame) const {
   for (const Index i : around_[r].links) {
     if (!is_complete(puzzle_.links[i]) || makes_discs(puzzle_.links[i], chosen_, regions_)) continue;
-    blame = static_cast<Index>(puzzle_.fans.size() + puzzle_.free_fans.size()) + i;
+    blame = static_cast<Index>(puzzle_.fans.size()) + i;
     return false;
   }
   return true;
@@ -186,14 +177,6 @@ std::optional<std::vector<Index>> SheetSearch::make_options(Index r) {
     for (const Fan::Pass& pass : fan.passes) turns += pass.turns;
     if (turns > 2 * kMostTurnsMade || !once(fan) || !is_complete(fan, r)) continue;  // passes come twice
     if (auto made = options_around(fan, r, turns)) return made;
-  }
-  for (const Index c : around_[r].free_fans) {
-    const Fan& fan = puzzle_.free_fans[c].fan;
-    if (!once(fan) || !is_complete(fan, r)) continue;
-    const bool all = count_gluings(regions_[r], options_[r].named) <= kMostTurned;
-    if (!all) failure_.cut_short = true;
-    const int most = std::min(regions_[r].front_winding, regions_[r].back_winding);
-    if (auto made = options_around(fan, r, all ? most : kMostTurnsMade)) return made;
   }
   return std::nullopt;
 }
@@ -311,15 +294,6 @@ std::optional<std::vector<Index>> SheetSearch::options_around(const Fan& fan, In
   return take_in(made, r);
 }
 
-// Extra turns at a free edge under the present choice; -1: none fits.
-int SheetSearch::turns_at(const FreeFan& f) const {
-  const Region& r = regions_[f.fan.leaves[0].region];
-  const int most = std::min(r.front_winding, r.back_winding);
-  for (int turns = 0; turns <= most; ++turns)
-    if (satisfied(f.fan, chosen_, regions_, turns)) return turns;
-  return -1;
-}
-
 // Lists all options of a region; false when there are too many.
 bool SheetSearch::list_options(Index r) {
   if (count_gluings(regions_[r], options_[r].named) > kMostOptions) {
@@ -340,8 +314,8 @@ bool SheetSearch::search(const std::vector<Index>& part) {
   const std::int64_t n = static_cast<std::int64_t>(part.size());
   const std::int64_t first =
       all_listed ? kFirstNodes + kFirstNodesEach * n : kFirstNodes + kMostNodesMade * n;
-  const std::int64_t last = work_.nodes + (all_listed ? most_nodes_ : kInVain * first);
-  weights_.of.assign(puzzle_.fans.size() + puzzle_.free_fans.size(), 1);
+  const std::int64_t last = work_.nodes + (all_listed ? kMostNodes : kInVain * first);
+  weights_.of.assign(puzzle_.fans.size(), 1);
   weights_.of.resize(weights_.of.size() + puzzle_.links.size(), 0);
   weights_.count = false;
   for (std::int64_t most = first;; most += most / 2, weights_.count = true) {
@@ -361,53 +335,12 @@ double SheetSearch::rank(Index r, std::size_t options) const {
   if (!weights_.count || n < 2) return n;
   double weight = 0;
   for (const Index c : around_[r].fans) weight += weights_.of[c];
-  for (const Index c : around_[r].free_fans) weight += weights_.of[puzzle_.fans.size() + c];
-  for (const Index c : around_[r].links)
-    weight += weights_.of[puzzle_.fans.size() + puzzle_.free_fans.size() + c];
+  for (const Index c : around_[r].links) weight += weights_.of[puzzle_.fans.size() + c];
   return 1 + n / (1 + weight);
 }
 
 bool SheetSearch::exhausted() {
   return ++work_.nodes > work_.end || worn_out() || (work_.nodes % 256 == 0 && context_.stop());
-}
-
-std::set<std::pair<Index, Index>> SheetSearch::settle_free_fans() {
-  const auto cost = [&](Index r) {
-    double sum = 0;
-    for (const Index i : around_[r].free_fans) {
-      const int turns = turns_at(puzzle_.free_fans[i]);
-      if (turns < 0) return std::numeric_limits<double>::infinity();
-      sum += turns * (puzzle_.free_fans[i].pierced ? kFarMore : 1.0);
-    }
-    return sum;
-  };
-  for (bool better = true; better;) {
-    better = false;
-    for (Index r = 0; r < static_cast<Index>(regions_.size()); ++r) {
-      if (options_[r].gluings.size() < 2 || around_[r].free_fans.empty()) continue;
-      const Gluing* now = chosen_[r];
-      double best = cost(r);
-      const Gluing* choice = now;
-      for (const Gluing& option : options_[r].gluings) {
-        chosen_[r] = &option;
-        const bool fits = std::all_of(around_[r].fans.begin(), around_[r].fans.end(),
-                                      [&](Index c) { return satisfied(puzzle_.fans[c], chosen_, regions_); });
-        Index blame = -1;
-        if (!fits || !fits_links(r, blame)) continue;
-        if (const double there = cost(r); there < best) best = there, choice = &option;
-      }
-      chosen_[r] = choice;
-      better |= choice != now;
-    }
-  }
-  std::map<std::pair<Index, Index>, int> turns;
-  std::set<std::pair<Index, Index>> torn;
-  for (const FreeFan& f : puzzle_.free_fans) {
-    const int here = turns_at(f);
-    if (turns.try_emplace(f.edge, here).first->second == here && here >= 0) continue;
-    torn.insert(f.edge);
-  }
-  return torn;
 }
 
 }  // namespace overtet

@@ -1,5 +1,6 @@
-// The search for the gluings of all regions between the cells of an arrangement: what the solver
-// (src/covering/gluing_solver.h) must know about them, and restarts where dead ends were met most.
+// The search for the gluings of all regions between the cells of an arrangement where the wound edges are
+// known: what the solver (src/covering/gluing_solver.h) must know about them, and restarts where dead ends
+// were met most.
 #pragma once
 
 #include <array>
@@ -7,52 +8,34 @@
 #include <deque>
 #include <map>
 #include <optional>
-#include <set>
-#include <utility>
 #include <vector>
 
 #include "overtet/run_context.h"
 #include "overtet/types.h"
 #include "src/covering/gluing_solver.h"
 #include "src/immersion/edge_fan.h"
+#include "src/immersion/sheet_puzzle.h"
 #include "src/immersion/tuning.h"
-#include "src/immersion/vertex_link.h"
 
 namespace overtet {
-
-// An edge that may be wound: any number of extra turns that its fan allows.
-struct FreeFan {
-  Fan fan;
-  std::pair<Index, Index> edge;  // of the input
-  int given;                     // turns it was proposed to have
-  bool pierced;                  // the input edge has several parts
-};
-
-// What the gluings of some regions must satisfy.
-struct SheetPuzzle {
-  std::vector<std::array<Index, 2>>
-      cells;  // per region, in front of it and behind it; -1: outside everything
-  std::vector<Fan> fans;
-  std::vector<FreeFan> free_fans;
-  std::vector<VertexLink> links;  // where more than fans must be seen to
-};
 
 class SheetSearch {
  public:
   // winding: of each cell. All arguments must outlive the search.
+  // Free fans, if there are any, do not take part.
   SheetSearch(const std::vector<Region>& regions, const std::vector<Index>& winding,
-              const SheetPuzzle& puzzle, const RunContext& context, std::int64_t most_nodes = kMostNodes);
+              const SheetPuzzle& puzzle, const RunContext& context);
 
   // Whether there are gluings that satisfy all fans and links; no, too, where the search is stopped or given
   // up.
   bool solve();
 
-  // After solve() has found some: fewer wound edges. Regions change their gluing where nothing forbids it.
-  // Then every part of an input edge must have the same number of turns; returned are the edges where that
-  // fails.
-  std::set<std::pair<Index, Index>> settle_free_fans();
+  // Only what follows from the fans without any choice. False: they contradict each other.
+  bool settle();
+  // Whether a region has its gluing after settle().
+  bool is_settled(Index region) const { return chosen_[region] != nullptr; }
 
-  // After solve() has found some.
+  // After solve() has found some, or where it is settled.
   const Gluing& gluing(Index region) const { return *chosen_[region]; }
 
   bool cut_short() const { return failure_.cut_short; }  // the search has not seen everything
@@ -61,7 +44,7 @@ class SheetSearch {
   Index deepest_fan() const { return failure_.deepest_fan; }  // the fan that was in the way last; -1: none
   std::int64_t nodes() const { return work_.nodes; }
 
-  // For the solver; see there. Conditions: fans, then free fans, then links.
+  // For the solver; see there. Conditions: fans, then links.
   bool is_open(Index r) const { return !chosen_[r]; }
   std::optional<std::vector<Index>> possible(Index r, Index& blame);
   bool list_options(Index r);
@@ -84,7 +67,7 @@ class SheetSearch {
   };
   // Conditions that a region takes part in.
   struct Around {
-    std::vector<Index> fans, free_fans, links;
+    std::vector<Index> fans, links;
   };
   struct Weights {
     std::vector<double> of;  // dead ends at each condition
@@ -125,14 +108,12 @@ class SheetSearch {
   static std::vector<Made> join_ends(Ends ends);
   static bool add_turn(std::vector<Made>& made, std::size_t begin, int front);
   std::vector<Index> take_in(const std::vector<Made>& made, Index r);
-  int turns_at(const FreeFan& f) const;
   bool search(const std::vector<Index>& part);
 
   const std::vector<Region>& regions_;
   const std::vector<Index>& winding_;
   const SheetPuzzle& puzzle_;
   const RunContext& context_;
-  const std::int64_t most_nodes_;
   std::vector<Options> options_;  // per region
   std::vector<const Gluing*> chosen_;
   std::vector<Around> around_;  // per region
@@ -146,8 +127,6 @@ template <class F>
 void SheetSearch::each_beside(Index r, F&& f) const {
   for (const Index c : around_[r].fans)
     for (const Index other : open_members_.at(c)) f(other, 0);
-  for (const Index c : around_[r].free_fans)
-    for (const auto& leaf : puzzle_.free_fans[c].fan.leaves) f(leaf.region, 1);
   // A link rejects nothing before all but one are chosen.
   for (const Index c : around_[r].links) {
     Index last = -1;
@@ -165,12 +144,9 @@ template <class F>
 void SheetSearch::weigh(Index condition, F&& again) {
   ++weights_.of[condition];
   if (!weights_.count) return;
-  const Index free = condition - static_cast<Index>(puzzle_.fans.size());
-  const Index link = free - static_cast<Index>(puzzle_.free_fans.size());
-  if (free < 0)
+  const Index link = condition - static_cast<Index>(puzzle_.fans.size());
+  if (link < 0)
     for (const Index r : open_members_.at(condition)) again(r);
-  else if (link < 0)
-    for (const auto& leaf : puzzle_.free_fans[free].fan.leaves) again(leaf.region);
   else
     for (const auto& arc : puzzle_.links[link].arcs) again(arc.region);
 }

@@ -10,10 +10,10 @@
 #include <tuple>
 
 #include "kernels/core/assertions.h"
-#include "kernels/core/tuning.h"
+#include "kernels/core/union_find.h"
 #include "kernels/parallel/grouping.h"
-#include "src/covering/tuning.h"
 #include "src/immersion/cells.h"
+#include "src/immersion/gluing_formula.h"
 #include "src/immersion/sheet_search.h"
 #include "src/immersion/tuning.h"
 
@@ -23,12 +23,17 @@ namespace {
 
 using Triple = std::array<Index, 3>;
 
-// More than 12 members: what a search knows of itself (five flags and sets) goes from round to round.
+// More than 12 members: the arguments (six), and what find_edges leaves for the searches (eight).
 class Assigner {
  public:
   Assigner(const Surface& surface, const Arrangement& arrangement, const TetgenResult& tets,
-           std::span<const WoundEdge> wound, const RunContext& context)
-      : surface_(surface), arrangement_(arrangement), tets_(tets), context_(context) {
+           std::span<const WoundEdge> wound, int variant, const RunContext& context)
+      : surface_(surface),
+        arrangement_(arrangement),
+        tets_(tets),
+        variant_(variant),
+        context_(context),
+        discs_(!arrangement.tolerant) {
     for (const WoundEdge& w : wound) turns_[{std::min(w.a, w.b), std::max(w.a, w.b)}] = w.k;
   }
 
@@ -36,37 +41,55 @@ class Assigner {
     Result<std::vector<Triple>> corners = find_cells(arrangement_, tets_, out_);
     if (!corners.ok()) return corners.error();
     corners_ = std::move(corners.value());
-    std::optional<Error> failure = glue();
-    if (!failure) return std::move(out_);
-    if (failure->code != ErrorCode::unsolved || torn_) return *failure;
-    // The wound edges given leave no gluing. Let others take part in the search: first those next to the
-    // given ones, then more and more around them, last every edge that could be wound. The fewer there are,
-    // the shorter is the search.
-    free_ = true;
-    for (const auto& [edge, turns] : turns_) near_.insert({edge.first, edge.second});
-    for (int rings = near_.empty() ? kFreeRings : 0; rings <= kFreeRings; ++rings) {
-      const bool all = rings == kFreeRings;
-      if (all) near_.clear();
-      refused_.clear();
-      cut_short_ = false;
-      for (int round = 0; round < kInVain; ++round) {
-        reset();
-        const std::size_t refused = refused_.size();
-        if (auto error = glue()) {
-          if (error->code != ErrorCode::unsolved || torn_) return *error;
-          failure->reason =
-              all && round == 0 && !cut_short_ && !in_doubt_ ? ErrorReason::exhausted : ErrorReason::none;
-          break;
-        }
-        if (refused_.size() == refused) return std::move(out_);
-      }
-      if (!all) widen();
+    if (auto error = find_edges()) return *error;
+    if (variant_ == 0) {
+      const std::optional<Error> failure = search();
+      if (!failure || failure->code != ErrorCode::unsolved) return answer(failure);
+      failure_ = *failure;
     }
-    return *failure;
+    // The wound edges given leave no gluing, or none was found. Let others be wound: first those next to the
+    // given ones, last every edge that could be. The fewer there are, the smaller is the formula.
+    for (const auto& [edge, turns] : turns_) near_.insert({edge.first, edge.second});
+    int rings = 0;
+    for (const int wanted : kFreeRings) {
+      if (near_.empty()) break;
+      while (rings < wanted) widen(), ++rings;
+      if (std::optional<Error> other = glue_freely(); !other || other->code != ErrorCode::unsolved)
+        return answer(other);
+    }
+    near_.clear();
+    return answer(glue_freely());
   }
 
  private:
   using Edge = std::pair<Index, Index>;  // of the input, smaller vertex first
+
+  Result<Sheets> answer(const std::optional<Error>& failure) {
+    return failure ? Result<Sheets>(*failure) : Result<Sheets>(std::move(out_));
+  }
+
+  // With other wound edges: those near the given ones, or all.
+  std::optional<Error> glue_freely() {
+    free_ = true;
+    // With a tolerance the surface may be pinched where it is not, and then no solution has discs there.
+    for (const bool discs : {true, false}) {
+      if (!discs && !arrangement_.tolerant) continue;
+      discs_ = discs;
+      reset();
+      if (auto error = find_edges()) return error;
+      const FormulaAnswer found = solve_as_formula(out_.regions, out_.winding, puzzle_, variant_, context_);
+      out_.search_nodes += found.solves;
+      if (auto stop = context_.stop()) return stop;
+      if (found.verdict == FormulaAnswer::Verdict::found) {
+        take([&](Index r) -> const Gluing& { return found.gluings[r]; });
+        return std::nullopt;
+      }
+      failure_.reason = near_.empty() && found.verdict == FormulaAnswer::Verdict::none && !has_stacks()
+                            ? ErrorReason::exhausted
+                            : ErrorReason::none;
+    }
+    return failure_;
+  }
 
   // One more ring of faces.
   void widen() {
@@ -79,6 +102,13 @@ class Assigner {
     near_ = std::move(wider);
   }
 
+  // Whether faces lie on each other. Rounding may have put them there, and then a layer between them is left
+  // out.
+  bool has_stacks() const {
+    return std::any_of(out_.regions.begin(), out_.regions.end(),
+                       [](const Region& r) { return r.signs.size() > 1; });
+  }
+
   void reset() {
     for (Facet& f : out_.facets) f.region = -1, f.flipped = false, f.slots = -1;
     out_.regions.clear();
@@ -86,28 +116,28 @@ class Assigner {
     puzzle_ = {};
     fan_place_.clear();
     free_groups_.clear();
+    free_edges_.clear();
   }
 
-  // Under the edges that are wound, or that may be: refused_ grows where parts of an edge do not agree.
-  std::optional<Error> glue() {
-    if (auto error = find_edges()) {
-      torn_ = true;
-      return error;
-    }
-    SheetSearch search(out_.regions, out_.winding, puzzle_, context_, near_.empty() ? kMostNodes : kFewSteps);
+  // With the wound edges given.
+  std::optional<Error> search() {
+    SheetSearch search(out_.regions, out_.winding, puzzle_, context_);
     const bool found = search.solve();
-    cut_short_ = cut_short_ || search.cut_short();
     out_.search_nodes += search.nodes();
     if (!found) {
       if (auto stop = context_.stop()) return stop;
       return no_gluing(search);
     }
-    refused_.merge(search.settle_free_fans());
-    for (Index r = 0; r < static_cast<Index>(out_.regions.size()); ++r) {
-      out_.regions[r].back_of = search.gluing(r).back_of;
-      out_.regions[r].front_of = search.gluing(r).front_of;
-    }
+    take([&](Index r) -> const Gluing& { return search.gluing(r); });
     return std::nullopt;
+  }
+
+  template <class F>
+  void take(F&& gluing) {
+    for (Index r = 0; r < static_cast<Index>(out_.regions.size()); ++r) {
+      out_.regions[r].back_of = gluing(r).back_of;
+      out_.regions[r].front_of = gluing(r).front_of;
+    }
   }
 
   Error no_gluing(const SheetSearch& search) const {
@@ -156,17 +186,15 @@ class Assigner {
   // Partner of each sheet at an edge, regions, and the fans that constrain them.
   std::optional<Error> find_edges() {
     const std::vector<EdgeUse> uses = edge_uses();
-    std::set<Edge> covered;
     if (free_)
-      if (auto error = find_covered_edges(uses, covered)) return error;
+      if (auto error = find_covered_edges(uses)) return error;
     Links links(static_cast<Index>(out_.facets.size()));
     std::vector<Range> special;
     std::set<Index> turning;  // vertices at edges that are wound, or may be
-    if (auto error = sort_edges(uses, covered, links, special, turning)) return error;
+    if (auto error = sort_edges(uses, links, special, turning)) return error;
     flood_regions(links);
     list_fans(uses, special);
-    // With a tolerance the surface may be pinched where it is not.
-    if (!arrangement_.tolerant) add_links(uses, turning);
+    if (discs_) add_links(uses, turning);
     return std::nullopt;
   }
 
@@ -185,10 +213,10 @@ class Assigner {
   }
 
   // Links across edges where nothing branches; special: the others, but for those that may be wound.
-  std::optional<Error> sort_edges(const std::vector<EdgeUse>& uses, const std::set<Edge>& covered,
-                                  Links& links, std::vector<Range>& special, std::set<Index>& turning) {
+  std::optional<Error> sort_edges(const std::vector<EdgeUse>& uses, Links& links, std::vector<Range>& special,
+                                  std::set<Index>& turning) {
     std::vector<Fan::Pass> passes;
-    Edge over;
+    std::vector<Edge> over;
     for (std::size_t b = 0, e = 0; b < uses.size(); b = e) {
       for (e = b + 1; e < uses.size() && uses[e].p == uses[b].p && uses[e].q == uses[b].q;) ++e;
       const std::span<const EdgeUse> group(uses.data() + b, e - b);
@@ -197,8 +225,9 @@ class Assigner {
         continue;
       }
       if (auto error = find_passes(group, passes, over)) return error;
-      if (covered.count(over)) {
-        free_groups_[over].emplace_back(b, e);
+      if (std::any_of(over.begin(), over.end(),
+                      [&](const Edge& edge) { return free_edges_.count(edge) > 0; })) {
+        free_groups_.emplace_back(b, e);
         turning.insert({group[0].p, group[0].q});
         continue;
       }
@@ -286,17 +315,29 @@ class Assigner {
     };
     std::map<Fan, Index> distinct;
     for (const Range& r : special) distinct.try_emplace(make_fan(group(r)), uses[r.first].p);
-    for (const auto& [edge, groups] : free_groups_)
-      for (const Range& r : groups) {
-        const auto given = turns_.find(edge);
-        puzzle_.free_fans.push_back(
-            {make_fan(group(r)), edge, given == turns_.end() ? 0 : given->second, groups.size() > 1});
-      }
+    for (const Range& r : free_groups_) {
+      FreeFan f;
+      f.fan = make_fan(group(r), &f.edges);
+      puzzle_.free_fans.push_back(std::move(f));
+    }
+    puzzle_.free_edges = static_cast<Index>(free_edges_.size());
+    puzzle_.pierced = pierced_edges();
     for (const auto& [fan, vertex] : distinct) {
       puzzle_.fans.push_back(fan);
       fan_place_.push_back(vertex);
     }
     out_.constraints = static_cast<Index>(puzzle_.fans.size());
+  }
+
+  // Of the free edges, those with several parts.
+  std::vector<char> pierced_edges() const {
+    std::vector<int> parts(free_edges_.size(), 0);
+    for (const FreeFan& f : puzzle_.free_fans)
+      for (const Index e : f.edges)
+        if (e >= 0) ++parts[e];
+    std::vector<char> out;
+    for (const int n : parts) out.push_back(n > 2);  // passes come twice
+    return out;
   }
 
   // Fans leave open what becomes of a vertex: its turns may make a handle.
@@ -348,7 +389,8 @@ class Assigner {
     }
     std::set<Index> facets;
     for (const std::span<const EdgeUse> group : edges) {
-      link.corners.push_back(make_fan(group));
+      link.edges.emplace_back();
+      link.corners.push_back(make_fan(group, &link.edges.back()));
       ends[group[0].p == v ? group[0].q : group[0].p] = -1;
       for (const EdgeUse& use : group) facets.insert(use.facet);
     }
@@ -362,47 +404,50 @@ class Assigner {
       link.rest -=
           region.front_winding + static_cast<int>(std::count(region.signs.begin(), region.signs.end(), 1));
     }
+    link.borders = borders_around(edges);
     return link;
   }
 
-  // Input edges that could be wound: nothing else meets them but in points, and the outer side is covered all
-  // along.
-  std::optional<Error> find_covered_edges(const std::vector<EdgeUse>& uses, std::set<Edge>& covered) {
-    std::set<Edge> excluded = refused_, uncovered, doubtful;
+  // Closed polygons of sheets around the vertex that these edges meet at.
+  int borders_around(const std::vector<std::span<const EdgeUse>>& edges) const {
+    std::map<std::pair<Index, int>, std::size_t> number;  // of a sheet of a facet
+    std::vector<std::pair<std::size_t, std::size_t>> joined;
     std::vector<Fan::Pass> passes;
-    Edge over;
-    for (std::size_t b = 0; b < uses.size();) {
-      std::size_t e = b + 1;
-      while (e < uses.size() && uses[e].p == uses[b].p && uses[e].q == uses[b].q) ++e;
-      const std::span<const EdgeUse> group(uses.data() + b, e - b);
-      b = e;
-      if (auto error = find_passes(group, passes, over)) return error;
-      if (over.first < 0) continue;
-      int sheets = 0;  // cuts, which have none, may end here, too
-      bool fits = true;
-      for (const EdgeUse& use : group) {
-        if (sheet_count(use.facet) == 0) continue;
-        const Facet& f = out_.facets[use.facet];
-        sheets += sheet_count(use.facet);
-        fits = fits && sheet_count(use.facet) == 1 &&
-               out_.winding_of(sheet(use.facet, 0).sign > 0 ? f.front : f.back) >= 1;
-      }
-      fits = fits && sheets == 2;
-      (fits ? covered : excluded).insert(over);
-      if (fits) continue;
-      // The turns of a wound edge cover everything around it.
-      bool surrounded = true;
-      for (const EdgeUse& use : group) {
-        const Facet& f = out_.facets[use.facet];
-        surrounded = surrounded && std::min(out_.winding_of(f.front), out_.winding_of(f.back)) >= 1;
-      }
-      (surrounded ? doubtful : uncovered).insert(over);
+    std::vector<Edge> over;
+    for (const std::span<const EdgeUse> group : edges) {
+      (void)find_passes(group, passes, over);  // the same group has passed before
+      for (const Fan::Pass& p : passes)
+        joined.emplace_back(
+            number.try_emplace({group[p.from].facet, p.from_sheet}, number.size()).first->second,
+            number.try_emplace({group[p.to].facet, p.to_sheet}, number.size()).first->second);
     }
-    for (const Edge& edge : excluded) covered.erase(edge);
+    UnionFind polygons(number.size());
+    auto left = static_cast<int>(number.size());
+    for (const auto& [a, b] : joined) left -= polygons.join(a, b);
+    return left;
+  }
+
+  // Input edges that could be wound: covered on all sides all along. (An edge may lie in a face or on another
+  // edge, too; so its fans may have other sheets that pass.)
+  std::optional<Error> find_covered_edges(const std::vector<EdgeUse>& uses) {
+    std::set<Edge> covered, uncovered;
+    std::vector<Fan::Pass> passes;
+    std::vector<Edge> over;
+    for (std::size_t b = 0, e = 0; b < uses.size(); b = e) {
+      for (e = b + 1; e < uses.size() && uses[e].p == uses[b].p && uses[e].q == uses[b].q;) ++e;
+      const std::span<const EdgeUse> group(uses.data() + b, e - b);
+      if (auto error = find_passes(group, passes, over)) return error;
+      const bool surrounded = std::all_of(group.begin(), group.end(), [&](const EdgeUse& use) {
+        const Facet& f = out_.facets[use.facet];
+        return std::min(out_.winding_of(f.front), out_.winding_of(f.back)) >= 1;
+      });
+      for (const Edge& edge : over)
+        if (edge.first >= 0) (surrounded ? covered : uncovered).insert(edge);
+    }
+    for (const Edge& edge : uncovered) covered.erase(edge);
     if (!near_.empty())
       std::erase_if(covered, [&](const Edge& e) { return !near_.count(e.first) && !near_.count(e.second); });
-    in_doubt_ = std::any_of(doubtful.begin(), doubtful.end(),
-                            [&](const Edge& edge) { return uncovered.count(edge) == 0; });
+    for (const Edge& edge : covered) free_edges_.emplace(edge, static_cast<Index>(free_edges_.size()));
     return std::nullopt;
   }
 
@@ -437,11 +482,10 @@ class Assigner {
   }
 
   // Which sheet continues into which at one edge of the arrangement (from/to index the group).
-  // edge: the last input edge that a sheet passes over there, or (-1, -1).
+  // over: per pass, the input edge that the sheet passes over there, or (-1, -1) inside a face.
   std::optional<Error> find_passes(std::span<const EdgeUse> group, std::vector<Fan::Pass>& passes,
-                                   Edge& edge_passed) const {
+                                   std::vector<Edge>& over) const {
     passes.clear();
-    edge_passed = {-1, -1};
     struct Entry {
       Index face;
       int leaf, sheet;
@@ -451,6 +495,7 @@ class Assigner {
       for (Index s = 0; s < sheet_count(group[i].facet); ++s)
         entries.push_back({sheet(group[i].facet, s).face, i, static_cast<int>(s)});
     std::vector<int> partner(entries.size(), -1), turns(entries.size(), 0);
+    over.assign(entries.size(), {-1, -1});
     for (std::size_t i = 0; i < entries.size(); ++i)
       for (std::size_t j = i + 1; j < entries.size(); ++j)
         if (entries[i].face == entries[j].face)
@@ -470,7 +515,7 @@ class Assigner {
       if (found < 0)
         return Error{ErrorCode::unsolved, "The rounded arrangement has a gap.", place(group[0].p)};
       partner[i] = found, partner[found] = static_cast<int>(i);
-      edge_passed = found_edge;
+      over[i] = over[found] = found_edge;
       const auto wound = free_ ? turns_.end() : turns_.find(found_edge);
       if (wound != turns_.end()) turns[i] = turns[found] = wound->second;
     }
@@ -481,7 +526,8 @@ class Assigner {
     return std::nullopt;
   }
 
-  Fan make_fan(std::span<const EdgeUse> given) const {
+  // edges: per pass, the number of the free edge that it is over, or -1.
+  Fan make_fan(std::span<const EdgeUse> given, std::vector<Index>* edges = nullptr) const {
     std::vector<EdgeUse> group(given.begin(), given.end());
     std::sort(group.begin(), group.end(), [&](const EdgeUse& a, const EdgeUse& b) {
       const Facet &fa = out_.facets[a.facet], &fb = out_.facets[b.facet];
@@ -507,8 +553,15 @@ class Assigner {
           if (group[j].facet == facet) fan.arc[i][side] = 2 * j + arrival;
       }
     }
-    Edge over;
+    std::vector<Edge> over;
     (void)find_passes(group, fan.passes, over);  // cannot fail: the same group has passed before
+    if (edges) {
+      edges->clear();
+      for (const Edge& edge : over) {
+        const auto number = free_edges_.find(edge);
+        edges->push_back(number == free_edges_.end() ? -1 : number->second);
+      }
+    }
     return fan;
   }
 
@@ -535,15 +588,15 @@ class Assigner {
   const Surface& surface_;
   const Arrangement& arrangement_;
   const TetgenResult& tets_;
+  const int variant_;
   const RunContext& context_;
   std::map<Edge, int> turns_;  // of the wound edges given
-  bool free_ = false;          // all covered edges may be wound
-  bool torn_ = false;          // find_edges has failed
-  bool cut_short_ = false;     // a search has not seen everything
-  bool in_doubt_ = false;      // an edge that might be wound does not take part in the search
-  std::set<Edge> refused_;
-  std::set<Index> near_;  // vertices at which edges may be wound; none: all
-  std::map<Edge, std::vector<Range>> free_groups_;
+  bool free_ = false;          // covered edges may be wound
+  Error failure_{ErrorCode::unsolved, "The layers of the solid cannot be glued in another way."};
+  bool discs_;            // vertices at edges that turn must have them
+  std::set<Index> near_;  // vertices at which they may; none: all
+  std::map<Edge, Index> free_edges_;
+  std::vector<Range> free_groups_;  // uses of fans over such edges
   Sheets out_;
   std::vector<Triple> corners_;  // per facet, in the orientation of its arrangement triangle
   SheetPuzzle puzzle_;
@@ -563,11 +616,11 @@ int Sheets::across(Index facet, bool from_front, int copy) const {
 }
 
 Result<Sheets> assign_sheets(const Surface& surface, const Arrangement& arrangement, const TetgenResult& tets,
-                             std::span<const WoundEdge> wound, const RunContext& context) {
+                             std::span<const WoundEdge> wound, int variant, const RunContext& context) {
   OVERTET_EXPECTS(tets.facet_markers.size() == static_cast<std::size_t>(tets.facets.rows()));
   OVERTET_EXPECTS(std::all_of(tets.facet_markers.begin(), tets.facet_markers.end(),
                               [&](Index m) { return 1 <= m && m <= arrangement.F.rows(); }));
-  return Assigner(surface, arrangement, tets, wound, context).run();
+  return Assigner(surface, arrangement, tets, wound, variant, context).run();
 }
 
 }  // namespace overtet

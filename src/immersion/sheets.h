@@ -67,9 +67,10 @@ struct Sheets {
 };
 
 // pre: tets meshes the arrangement (keep_facets), facet markers are arrangement triangle + 1.
+// variant: 0, or the number of another solution to be tried, with other wound edges or other layers glued.
 // Errors: unsolved when a cell's winding number is negative, or when there is no gluing, with the place where
 // the search got farthest; ErrorReason::exhausted when all wound edges and all gluings have been tried.
 Result<Sheets> assign_sheets(const Surface& surface, const Arrangement& arrangement, const TetgenResult& tets,
-                             std::span<const WoundEdge> wound, const RunContext& context);
+                             std::span<const WoundEdge> wound, int variant, const RunContext& context);
 
 }  // namespace overtet

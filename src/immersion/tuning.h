@@ -16,9 +16,10 @@ constexpr double kFlat = 1e-6;
 
 // --- The search for a gluing (sheets.cpp, sheet_search.cpp) ---
 
-// Rings of faces around the wound edges given within which others take part first.
-constexpr int kFreeRings = 6;
-// Steps before a search counts as unsolved; natural inputs need about one a region.
+// Rings of faces around the wound edges given within which others may be wound, before all may.
+constexpr int kFreeRings[] = {1, 6};
+// Steps before a search, or conflicts before a formula, counts as unsolved; natural inputs need about one a
+// region.
 constexpr std::int64_t kMostNodes = 2'000'000;
 // Gluings held against the fans before it does, too; natural inputs need about ten a region. Where the solid
 // covers itself nine times a single step may need millions.
@@ -31,16 +32,21 @@ constexpr double kMostListed = 150;
 constexpr double kMostOptions = 50'000;
 // To make a gluing takes about as long as to look at so many.
 constexpr std::int64_t kLooksToMake = 20;
-// At an edge that may be wound all numbers of turns are tried where a region has no more gluings than the
-// first of these numbers (windings of 5 and 6), else as many turns as the second one.
-constexpr double kMostTurned = 6000;
+// No gluings are made at fans where sheets have more extra turns than this.
 constexpr int kMostTurnsMade = 2;
-// Of all steps, the first attempt at some regions takes so many, and so many a region.
+// Of all steps, the first attempt at some regions takes so many, and so many a region. So many conflicts,
+// too, before an edge stays wound that perhaps need not be.
 constexpr std::int64_t kFirstNodes = 1000, kFirstNodesEach = 10;
 // Where options have to be made each step takes much longer: so many a region, and a few attempts.
 constexpr std::int64_t kMostNodesMade = 3;
 // Copies at a vertex whose pairings are all gone through: their number is the factorial.
 constexpr std::size_t kMostOpen = 6;
+
+// --- The gluing as a formula (gluing_formula.cpp) ---
+
+// Literals in all its clauses, about 16 bytes each. Surfaces of 500 faces with windings of 7 have a tenth of
+// it.
+constexpr std::int64_t kMostLiterals = 50'000'000;
 
 // --- Boundary recovery (boundary_recovery.cpp) ---
 

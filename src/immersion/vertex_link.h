@@ -19,6 +19,9 @@ struct VertexLink {
   std::vector<Arc> arcs;
   std::vector<Fan> corners;  // edges of the arrangement at the vertex
   int rest = 0;              // of the Euler characteristic: all but the corners
+  int borders = 0;           // closed polygons of what ends at the vertex
+  // Per corner and pass of its fan, the number of the edge, or -1.
+  std::vector<std::vector<Index>> edges;
 };
 
 // Whether the copies make spheres (where they do not end at the vertex) and discs: what vertices of a solid

@@ -80,9 +80,9 @@ class NearbySurface {
 
   Result<TetMesh> run() {
     std::vector<TetMesh> meshes;
-    for (const Nudge& nudge :
-         {Nudge{Nudge::Direction::outward, kNudges[0]}, Nudge{Nudge::Direction::random, kNudges[0]},
-          Nudge{Nudge::Direction::random, kNudges[1]}}) {
+    std::vector<Nudge> nudges{{Nudge::Direction::outward, kNudges[0]}};
+    for (const double length : kNudges) nudges.push_back({Nudge::Direction::random, length});
+    for (const Nudge& nudge : nudges) {
       Result<TetMesh> nearby = mesh_of(nudged(job_.surface, nudge));
       if (nearby) {
         meshes.push_back(nearby.value());

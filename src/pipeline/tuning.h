@@ -32,7 +32,7 @@ constexpr double kHalfTime = 0.5, kMapTime = 0.8;
 constexpr double kHastyWork = 2e7;
 // How far vertices move, of the diagonal: far enough for digits, or near enough for small details. And no
 // further than this share of the shortest edge.
-constexpr double kNudges[] = {1e-3, 1e-4}, kNudgeOfEdge = 0.25;
+constexpr double kNudges[] = {1e-3, 1e-4, 1e-6}, kNudgeOfEdge = 0.25;
 // --- The repair route (repair_route.cpp). Moves are relative to the diagonal of the surface's box. ---
 
 // A move as far as it takes; the way back is still to come.

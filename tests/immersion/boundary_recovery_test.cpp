@@ -16,7 +16,8 @@ namespace overtet {
 namespace {
 
 Result<Cover> cover_of(const test::Prepared& p) {
-  const Result<Sheets> sheets = assign_sheets(p.surface, p.arrangement, p.tets, p.diagnosis.wound.edges, {});
+  const Result<Sheets> sheets =
+      assign_sheets(p.surface, p.arrangement, p.tets, p.diagnosis.wound.edges, 0, {});
   if (!sheets) return sheets.error();
   return build_cover(p.surface, p.arrangement, p.tets, sheets.value(), {});
 }

@@ -167,6 +167,7 @@ TEST(Layout, EachLibraryHasOneHome) {
   const std::vector<std::pair<std::regex, std::string>> homes = {
       {std::regex("^(tbb|oneapi)/.*"), "kernels/parallel"},
       {std::regex("^(suitesparse/)?cholmod.*"), "kernels/sparse"},
+      {std::regex("^c?cadical.*"), "kernels/sat"},
       {std::regex("^embree.*"), "kernels/bvh"},
       {std::regex("^tetgen\\.h$"), "src/cdt"},
       {std::regex("^CLI/.*"), "src/cli"}};
