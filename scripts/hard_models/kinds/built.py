@@ -83,6 +83,8 @@ def chain_of_cubes(rng, most, scale):
         step = (1 if side % 2 else -1)
         cells.append(tuple(c + step * (k == side // 2) for k, c in enumerate(cells[to])))
         glued.append(to)
+    if len(set(cells)) == len(cells):
+        raise NoModel  # no cube lies in another
     return cubes(cells, glued, scale)
 
 

@@ -28,7 +28,7 @@ def spine(rng, places):
     """x -> the point of a random curve there, with a frame. The curve bends by 1 to 3 parts of constant curvature."""
     length = places[-1] - places[0]
     total = rng.uniform(math.pi, 4 * math.pi) / length
-    parts = [(rng.uniform(0.3, 1.7) * rng.choice((1, 1, 1, -1)) * total, rng.choice((0, 0, rng.uniform(-0.3, 0.3)) ) * total)
+    parts = [(rng.uniform(0.3, 1.7) * rng.choice((1, 1, 1, -1)) * total, rng.choice((0, 0, rng.uniform(-0.3, 0.3))) * total)
              for _ in range(rng.randint(1, 3))]
     frame = [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]
     out = {}
@@ -59,22 +59,45 @@ def rotated(a, b, angle):
 
 
 def poke(rng):
-    """Patches of any surface, pushed in the way they face backwards, through the opposite side."""
-    surface = rng.choice(shapes.ALL)(rng)
+    """Patches pushed through the opposite side, or pulled out and into another part of the surface from outside."""
+    surface = rng.choice((*shapes.ALL, shapes.torus, bend))(rng)
     points = [list(p) for p in surface.points]
     for _ in range(rng.randint(1, 3)):
         start = rng.randrange(len(points))
-        inwards = [-x for x in outwards(surface, start)]
-        depth = max(sum(d * p[k] for k, d in enumerate(inwards)) for p in points)
-        depth -= sum(d * points[start][k] for k, d in enumerate(inwards))
-        depth *= rng.uniform(0.7, 1.6)
+        way = way_out(rng, surface, start) if rng.random() < 0.6 else None
+        if way is None:
+            way = way_in(rng, surface, start)
         reach = rng.randint(0, 3)
-        sideways = [rng.uniform(-0.2, 0.2) for _ in range(3)]
         for v, rings in nearby(surface, start, reach).items():
-            share = 1 - rings / (reach + 1)
             for k in range(3):
-                points[v][k] += depth * share * (inwards[k] + sideways[k])
+                points[v][k] += (1 - rings / (reach + 1)) * way[k]
     return Surface(on_grid(points), surface.faces)
+
+
+def way_in(rng, surface, start):
+    """Against the outwards direction, by about as much as there is of the surface there."""
+    inwards = [-x for x in outwards(surface, start)]
+    depth = max(dot(inwards, difference(p, surface.points[start])) for p in surface.points)
+    return [depth * rng.uniform(0.7, 1.6) * (x + rng.uniform(-0.2, 0.2)) for x in inwards]
+
+
+def way_out(rng, surface, start):
+    """Through a vertex in front of this one that faces it; None if none is found."""
+    out = outwards(surface, start)
+    for _ in range(20):
+        target = rng.randrange(len(surface.points))
+        way = difference(surface.points[target], surface.points[start])
+        if dot(way, out) > 0 and dot(way, outwards(surface, target)) < 0:
+            return [x * rng.uniform(1.05, 1.4) for x in way]
+    return None
+
+
+def dot(a, b):
+    return sum(x * y for x, y in zip(a, b))
+
+
+def difference(a, b):
+    return [x - y for x, y in zip(a, b)]
 
 
 def outwards(surface, v):
@@ -82,10 +105,10 @@ def outwards(surface, v):
     for f in surface.faces:
         if v in f:
             a, b, c = (surface.points[x] for x in f)
-            u, w = [x - y for x, y in zip(b, a)], [x - y for x, y in zip(c, a)]
+            u, w = difference(b, a), difference(c, a)
             for k in range(3):
                 total[k] += u[(k + 1) % 3] * w[(k + 2) % 3] - u[(k + 2) % 3] * w[(k + 1) % 3]
-    length = math.sqrt(sum(x * x for x in total))
+    length = math.sqrt(dot(total, total))
     return [x / length for x in total] if length > 0 else [0.0, 0.0, 1.0]
 
 
@@ -126,7 +149,7 @@ def pose(rng):
 
 def joints(rng, side, length, body):
     """The maps of the bone at the body and of the outer one."""
-    strong = math.pi * rng.uniform(0.3, 1.0)
+    strong = math.pi * rng.uniform(0.15, 0.8)
     return (joint(rng, side, body, 0.3, strong * rng.choice((-1, 1)), rng.uniform(0.2, 1.0)),
             joint(rng, side, body, length / 2, strong * rng.choice((-1, 1)), rng.uniform(0.2, 1.0)))
 
@@ -162,7 +185,7 @@ def wave(rng):
     def place(p):
         out = list(p)
         for direction, phase, k in waves:
-            out[k] += size * math.sin(phase + sum(d * x for d, x in zip(direction, p)))
+            out[k] += size * math.sin(phase + dot(direction, p))
         return out
 
     return moved(surface, place)
@@ -175,10 +198,10 @@ def decimate(rng):
 
 
 def scale(rng):
-    """A deformed surface, huge, tiny, drawn out in one direction or far away."""
+    """A deformed surface, huge, tiny, drawn out in one direction or far away. (The program's limits are 1e-72 and 1e72.)"""
     surface = rng.choice((bend, poke, pose, wave))(rng)
     surface = collapse_to(surface, max(8, len(surface.faces) // 2))
-    factors = [rng.choice((1e-150, 1e-30, 1e-9, 2.0**-40, 1.0, 3.0, 2.0**40, 1e9, 1e30, 1e150))] * 3
+    factors = [rng.choice((1e-60, 1e-30, 1e-9, 2.0**-40, 1.0, 3.0, 2.0**40, 1e9, 1e30, 1e60))] * 3
     if rng.random() < 0.3:
         factors[rng.randrange(3)] *= rng.choice((1e-3, 1e3))
     far = rng.choice((0.0, 0.0, 10.0, 1e3, 1e6))

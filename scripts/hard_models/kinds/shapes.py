@@ -63,7 +63,7 @@ def with_ends(rings, around, first, last):
     for j in range(around):
         k = (j + 1) % around
         polygons += [["first", (0, k), (0, j)], ["last", (len(rings) - 1, j), (len(rings) - 1, k)]]
-    return of_polygons(points, [p[::-1] for p in polygons])
+    return of_polygons(points, polygons)
 
 
 def cap(radius, count):
@@ -96,14 +96,14 @@ def tube(rng):
     rings = [(length * i / count, outer) for i in range(count + 1)]
     rings += [(length * i / count, inner) for i in range(count, -1, -1)]
     points, polygons = rings_of(rings, rng.randint(4, 7), True)
-    return of_polygons(points, [p[::-1] for p in polygons])
+    return of_polygons(points, polygons)
 
 
 def torus(rng):
     count, thick = rng.randint(6, 10), rng.uniform(0.2, 0.7)
     angles = [2 * math.pi * i / count for i in range(count)]
     rings = [(thick * math.sin(a), 1 - thick * math.cos(a)) for a in angles]
-    points, polygons = rings_of(rings, rng.randint(8, 16), True)
+    points, polygons = rings_of(rings[::-1], rng.randint(8, 16), True)
     return of_polygons(points, polygons)
 
 
