@@ -92,7 +92,7 @@ def stars(model):
 def tets(model):
     """Without many tets that are taken off one after the other, most faces outside first; then without fewer."""
     everything = model.solid.tets
-    for count in [len(everything) * 3 // 4, *halves(len(everything))]:
+    for count in [max(1, len(everything) * 3 // 4), *halves(len(everything))]:
         for start in range(0, len(everything), count):
             yield from solid_models(model, peeled(everything, start, count))
 

@@ -131,12 +131,9 @@ class Solids(unittest.TestCase):
 
     def test_two_turns_are_a_fault(self):
         """Eight cubes around an edge, the last glued to the first: all tets are positive, but they form a branch line."""
-        growth = spiral(8)
-        self.assertEqual(growth.solid().faults(), "")
-        points, tets = growth.points, growth.tets
-        closed = glue_ends(points, tets, 8)
-        self.assertIn("make 2 turns", solid_faults(*closed))
-        self.assertEqual(solid_faults(*glue_ends(spiral(4).points, spiral(4).tets, 4)), "")
+        self.assertEqual(spiral(8).faults(), "")
+        self.assertIn("make 2 turns", solid_faults(*with_ends_glued(spiral(8), 8)))
+        self.assertEqual(solid_faults(*with_ends_glued(spiral(4), 4)), "")
 
     def test_growth_stays_a_solid(self):
         ways = {"into_edge": 0, "tunnel": 0}
@@ -178,8 +175,9 @@ class Solids(unittest.TestCase):
         self.assertEqual(growth.solid().faults(), "")
 
 
-def glue_ends(points, tets, n):
+def with_ends_glued(solid, n):
     """Identifies the square of the last cube of a spiral that lies on the first one's with it."""
+    points, tets = solid.points, solid.tets
     first, last = tets[:6], tets[6 * (n - 1) :]
     mine = {points[v]: v for t in first for v in t if points[v][0] <= 10}
     theirs = {points[v]: v for t in last for v in t}

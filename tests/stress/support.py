@@ -19,7 +19,7 @@ def bar(n, scale=10):
 def spiral(n):
     """Cubes around an edge, n quarters of a turn."""
     around = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
-    return cubes([around[i % 4] for i in range(n)], [None, *range(n - 1)], 10)
+    return cubes([around[i % 4] for i in range(n)], [None, *range(n - 1)], 10).solid()
 
 
 def with_middle(solid):
