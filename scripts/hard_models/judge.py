@@ -4,7 +4,6 @@ import json
 import os
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 
@@ -115,7 +114,7 @@ class Judge:
         return Verdict(WRONG_MESH, wrong, True) if wrong else Verdict(MESH, ran.said)
 
     def judged_witness(self, model, files, ran):
-        checked = run([sys.executable, "-B", CHECK_WITNESS, files.surface, files.report], 10 * self.limit)
+        checked = run([CHECK_WITNESS, files.surface, files.report], 10 * self.limit)
         if model.has_mesh:
             return Verdict(FALSE_WITNESS, f"{ran.said} ({checked.said})", True)
         if checked.code is None:  # slow is not wrong
@@ -130,7 +129,9 @@ class Judge:
         if again.code in (4, 5):
             return Verdict(INFEASIBLE, again.said)
         if again.code != 0:
-            return self.no_answer(again)
+            verdict = self.no_answer(again)
+            verdict.said = "repairing: " + verdict.said
+            return verdict
         try:
             with open(files.report, encoding="utf-8") as file:
                 moved = json.load(file)["moved"]

@@ -134,7 +134,7 @@ class Answers(unittest.TestCase):
         points = [(-p[0], *p[1:]) for p in self.solid.points]
         tets = [(b, a, c, d) for a, b, c, d in self.solid.tets]
         ids = list(range(len(points)))
-        for moved, expected in ((ids, (judge.REPAIRED, False)), (ids[2:], (judge.WRONG_REPAIR, True))):
+        for moved, expected in ((ids, (judge.REPAIRED, False)), (ids[:5], (judge.WRONG_REPAIR, True))):
             report = {"moved": {"ids": moved, "max_relative": 0.1}}
             body = (start + "if command == 'mesh':\n" + f"    json.dump({json.dumps(report)}, open(report, 'w'))\n"
                     + f"    open(output, 'w').write({mesh_text(points, tets)!r})\n")
