@@ -112,7 +112,9 @@ class Answers(unittest.TestCase):
         self.assertEqual(self.verdict("sys.exit(70)", self.other), (judge.CRASH, True))
         self.assertEqual(self.verdict("os.kill(os.getpid(), 11)", self.other), (judge.CRASH, True))
         self.assertEqual(self.verdict("sys.exit(6)", self.other), (judge.BAD_EXIT, True))
-        self.assertEqual(self.verdict("time.sleep(60)", self.other, limit=0.3), (judge.NO_ANSWER, True))
+        self.assertEqual(self.verdict("time.sleep(60)", self.other, limit=0.1), (judge.NO_ANSWER, True))
+        self.assertEqual(self.verdict("while True: pass", self.other, limit=0.3), (judge.NO_ANSWER, True))
+        self.assertEqual(self.verdict("time.sleep(1)\nsys.exit(4)", self.other, limit=0.3), (judge.UNSOLVED, False))
 
     def test_witnesses(self):
         wrong = self.reports(witness={"rule": "winding", "point": [5, 5, 5], "winding": -1}) + "sys.exit(5)"
