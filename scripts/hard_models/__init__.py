@@ -33,8 +33,8 @@ What is judged:
   exit code 5   scripts/check_witness confirms the witness. It is wrong for a model that has a mesh
   exit code 4   unsolved: counted, and a failure for a model that has a mesh
   exit code 3   a failure unless a face has no area
-  others        a failure: signals, other exit codes, no answer in time (--time, of the clock and of the processor, so that
-                a busy machine makes no failures; ten times as long by the clock alone)
+  others        a failure: signals, other exit codes, no answer in time. A program has --time seconds of the clock and as
+                many of the processor, so that a busy machine makes no failures, but at most ten times --time
 
 With --repair, what is infeasible is repaired, and the repaired mesh is judged with the moves that the report names.
 

@@ -30,7 +30,8 @@ def numbers(text):
 
 
 def arguments(given):
-    parser = argparse.ArgumentParser(prog="stress", description=about, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(prog="stress", description=about,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", default=os.path.join(ROOT, "build", "release", "bin", "overtet"), metavar="PATH",
                         help="the program to judge (default: build/release/bin/overtet)")
     parser.add_argument("--kinds", nargs="+", choices=kinds.ALL, default=list(kinds.ALL), metavar="K",
@@ -71,7 +72,11 @@ def groups(options):
         for kind in options.kinds:
             yield kind, [(f"{kind}_{n}", lambda kind=kind, n=n: kinds.make(kind, n)) for n in options.seeds]
         return
-    yield "again", [(os.path.splitext(os.path.basename(f))[0], lambda f=f: kept_model(f)) for f in kept_files(options.again)]
+    yield "again", [(name_of(f), lambda f=f: kept_model(f)) for f in kept_files(options.again)]
+
+
+def name_of(path):
+    return os.path.splitext(os.path.basename(path))[0]
 
 
 def kept_model(path):
@@ -125,9 +130,10 @@ class Session:
         if self.options.minimise:
             minimiser = Minimiser(self.judge, self.options.runs)
             model = minimiser.minimise(model, verdict.what)
-            print(f"  {name}: {len(model.surface.faces)} faces after {self.options.runs - minimiser.left} runs", flush=True)
-        said = " ".join(verdict.said.split())[:200].replace(self.options.program, "overtet")
-        path = write_model(model, self.options.keep, name, [f"{name}: {verdict.what}: {said}".encode("ascii", "replace").decode()])
+            used = self.options.runs - minimiser.left
+            print(f"  {name}: {len(model.surface.faces)} faces after {used} runs", flush=True)
+        said = " ".join(verdict.said.split())[:200].encode("ascii", "replace").decode()
+        path = write_model(model, self.options.keep, name, [f"{name}: {verdict.what}: {said}"])
         print(f"  {name}: kept as {path}", flush=True)
         return path
 

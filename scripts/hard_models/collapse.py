@@ -29,8 +29,8 @@ class Collapsible:
         return (0.0, 0.0) if m == 0 else (m, sum((x / m) ** 2 for x in d))
 
     def collapse(self, a, b, point=None):
-        """Moves b to a. Answers whether that leaves a manifold: no vertex but those of the edge's two faces is joined to
-        both, and this is no tetrahedron's surface."""
+        """Moves b to a. Answers whether that leaves a manifold: no vertex but those of the edge's two faces is joined
+        to both, and this is no tetrahedron's surface."""
         if a not in self.at or b not in self.at or b not in self.neighbours(a):
             return False
         both = self.neighbours(a) & self.neighbours(b)

@@ -65,8 +65,8 @@ def turns_of(points, edge, pairs):
 
 
 def faults(points, tets):
-    """Why this is not the mesh of a solid, "" if it is one: all tets are positive, they form a 3-manifold with boundary,
-    they make one turn around every interior edge. Coordinates are integers."""
+    """Why this is not the mesh of a solid, "" if it is one: all tets are positive, they form a 3-manifold with
+    boundary, they make one turn around every interior edge. Coordinates are integers."""
     for t in tets:
         if len(set(t)) != 4 or volume(*(points[v] for v in t)) <= 0:
             return f"tet {t} is not positive"
@@ -133,7 +133,7 @@ def connected(groups):
 
 
 class Solid:
-    """Tets and their points in integers, the vertices of the boundary first: what proves that the surface has a mesh."""
+    """Tets and their points in integers, vertices of the boundary first: what proves that the surface has a mesh."""
 
     def __init__(self, points, tets):
         outside = boundary(tets)

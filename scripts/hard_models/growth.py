@@ -104,8 +104,8 @@ class Growth:
         return False
 
     def move(self, v, point):
-        """One vertex at a time: if its tets are positive before and after, they are so on the way (their volumes are linear in
-        the point), and turns around edges do not change."""
+        """One vertex at a time: if its tets are positive before and after, they are so on the way (their volumes are
+        linear in the point), and turns around edges do not change."""
         before, self.points[v] = self.points[v], tuple(point)
         if all(self.volume(self.tets[i]) > 0 for i in self.star[v]):
             return True

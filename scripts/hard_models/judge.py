@@ -18,8 +18,8 @@ CHECK_WITNESS = os.path.join(os.path.dirname(os.path.dirname(os.path.realpath(__
 MESH, INFEASIBLE, UNSOLVED, REPAIRED = "mesh", "infeasible", "unsolved", "repaired"
 # ... and what is not. UNSOLVED is a failure, too, if the model has a mesh by construction.
 CRASH, NO_ANSWER, BAD_EXIT, BAD_INPUT = "crash", "no answer", "wrong exit code", "called bad input"
-WRONG_MESH, REFUSED_MESH, FALSE_WITNESS, REFUTED = "wrong mesh", "mesh not verified", "false witness", "witness not confirmed"
-WRONG_REPAIR = "wrong repair"
+WRONG_MESH, REFUSED_MESH, WRONG_REPAIR = "wrong mesh", "mesh not verified", "wrong repair"
+FALSE_WITNESS, REFUTED = "false witness", "witness not confirmed"
 
 MOST_TETS = 30000  # that are checked here, too, in some seconds
 BUSY = 10  # times the limit: no program gets more, however little of the processor it has had
@@ -37,8 +37,8 @@ class Ran:
 
 
 def run(command, limit):
-    """Exit code (None if it took longer than the limit), the last line that it printed, seconds. On a busy machine it gets
-    more time, until it has used as much of the processor's or ten times the limit is over."""
+    """Exit code (None if it took longer than the limit), the last line that it printed, seconds. On a busy machine it
+    gets more time, until it has used as much of the processor's or ten times the limit is over."""
     start = time.monotonic()
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True) as child:
         text = None

@@ -12,8 +12,8 @@ class Minimiser:
         self.judge, self.left = judge, most_runs
 
     def minimise(self, model, what):
-        """The model, or a smaller one with the same verdict. Its solid goes along where the verdict depends on it; where it does
-        not, edges are collapsed once no tet can be left out."""
+        """The model, or a smaller one with the same verdict. Its solid goes along where the verdict depends on it; where
+        it does not, edges are collapsed once no tet can be left out."""
         ways = [components]
         if model.solid:
             ways += [stars, tets]
@@ -64,7 +64,7 @@ def components(model):
         return
     for chosen in [[p] for p in parts] + [[q for q in parts if q is not p] for p in parts]:
         if model.solid:
-            # The first vertices of the solid are those of the surface. What hangs together with the component belongs to it.
+            # The first vertices of the solid are those of the surface. What hangs together with them belongs to it.
             reached = {v for p in chosen for i in p for v in model.surface.faces[i]}
             grew = True
             while grew:

@@ -44,7 +44,8 @@ class Minimised(unittest.TestCase):
             model = kinds.make(kind, 2)
             tet = model.solid.tets[-1]
             corners = {model.solid.points[v] for v in tet}
-            fails = asked(judge.UNSOLVED, lambda m, c=corners: any({m.solid.points[v] for v in t} == c for t in m.solid.tets))
+            fails = asked(judge.UNSOLVED, lambda m, c=corners: any({m.solid.points[v] for v in t} == c
+                                                                   for t in m.solid.tets))
             small = Minimiser(fails, 2000).minimise(model, judge.UNSOLVED)
             self.assertEqual(small.solid.faults(), "")
             self.assertEqual(len(small.solid.tets), 1, kind)
@@ -84,8 +85,8 @@ class Script(unittest.TestCase):
     def test_a_failure_is_kept(self):
         path = program(self.folder, "sys.exit(70 if faces() > 11 else 4)")
         keep, rows = os.path.join(self.folder, "kept"), os.path.join(self.folder, "rows.json")
-        code, said, _ = self.stress("--program", path, "--kinds", "fan", "wave", "--seeds", "2", "--keep", keep, "--minimise",
-                                    "--runs", "60", "--json", rows)
+        code, said, _ = self.stress("--program", path, "--kinds", "fan", "wave", "--seeds", "2", "--keep", keep,
+                                    "--minimise", "--runs", "60", "--json", rows)
         self.assertEqual(code, 1)
         self.assertIn("fan           1 models, 1 failed: crash 1", said)
         for name in ("fan_2", "wave_2"):

@@ -16,7 +16,8 @@ ATTEMPTS = 60
 
 
 class Model:
-    """A surface, and the solid that proves that it has a mesh, or None. A surface from a file may be known to have one."""
+    """A surface, and the solid that proves that it has a mesh, or None. A surface from a file may be known to have
+    a mesh all the same."""
 
     def __init__(self, surface, solid=None, has_mesh=False):
         self.surface, self.solid, self.has_mesh = surface, solid, has_mesh or solid is not None

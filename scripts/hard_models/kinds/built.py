@@ -1,4 +1,4 @@
-"""Models that have a mesh by construction: surfaces of tets in integers that overlap. Every answer but a mesh is wrong."""
+"""Models that have a mesh by construction: surfaces of tets in integers that overlap. No answer but a mesh is right."""
 
 from ..complex import Solid
 from ..errors import NoModel

@@ -28,8 +28,10 @@ def spine(rng, places):
     """x -> the point of a random curve there, with a frame. The curve bends by 1 to 3 parts of constant curvature."""
     length = places[-1] - places[0]
     total = rng.uniform(math.pi, 4 * math.pi) / length
-    parts = [(rng.uniform(0.3, 1.7) * rng.choice((1, 1, 1, -1)) * total, rng.choice((0, 0, rng.uniform(-0.3, 0.3))) * total)
-             for _ in range(rng.randint(1, 3))]
+    parts = []
+    for _ in range(rng.randint(1, 3)):
+        curvature = rng.uniform(0.3, 1.7) * rng.choice((1, 1, 1, -1))
+        parts.append((curvature * total, rng.choice((0, 0, rng.uniform(-0.3, 0.3))) * total))
     frame = [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]
     out = {}
     before = places[0]
@@ -198,9 +200,10 @@ def decimate(rng):
 
 
 def scale(rng):
-    """A deformed surface, huge, tiny, drawn out in one direction or far away. (The program's limits are 1e-72 and 1e72.)"""
+    """A deformed surface, huge, tiny, drawn out in one direction or far away."""
     surface = rng.choice((bend, poke, pose, wave))(rng)
     surface = collapse_to(surface, max(8, len(surface.faces) // 2))
+    # The program's limits are 1e-72 and 1e72.
     factors = [rng.choice((1e-60, 1e-30, 1e-9, 2.0**-40, 1.0, 3.0, 2.0**40, 1e9, 1e30, 1e60))] * 3
     if rng.random() < 0.3:
         factors[rng.randrange(3)] *= rng.choice((1e-3, 1e3))

@@ -40,7 +40,8 @@ def box(rng):
 
 def slab(rng):
     """Long, and thin or square."""
-    return box_of([rng.randint(12, 30), rng.randint(1, 4), 1], [rng.uniform(4, 8), rng.uniform(0.4, 1.5), rng.uniform(0.1, 0.8)])
+    counts = [rng.randint(12, 30), rng.randint(1, 4), 1]
+    return box_of(counts, [rng.uniform(4, 8), rng.uniform(0.4, 1.5), rng.uniform(0.1, 0.8)])
 
 
 def rings_of(rings, around, closed):
