@@ -43,4 +43,5 @@ the rest is one; for failures other than "unsolved" and "false witness", which n
 result goes to the folder --keep, named after kind and number, with a comment that names the failure. Where there is a
 solid, it is beside it, as tet mesh. `--again` judges such files, for instance those in tests/stress/kept.
 
-Exit code: 0 nothing went wrong, 1 something did, 2 usage. Python needs no packages."""
+Exit code: 0 nothing went wrong, 1 something did, 2 usage, 130 interrupted (the smallest model so far is kept).
+Python needs no packages; check_witness needs python3-numpy and cadical."""

@@ -3,6 +3,7 @@
 import argparse
 import json
 import os
+import signal
 import sys
 
 from . import __doc__ as about
@@ -127,14 +128,21 @@ class Session:
                 row["kept"] = self.keep(name, model, verdict)
 
     def keep(self, name, model, verdict):
+        interrupted = None
         if self.options.minimise:
             minimiser = Minimiser(self.judge, self.options.runs)
-            model = minimiser.minimise(model, verdict.what)
+            try:
+                minimiser.minimise(model, verdict.what)
+            except KeyboardInterrupt as e:
+                interrupted = e
+            model = minimiser.smallest
             used = self.options.runs - minimiser.left
             print(f"  {name}: {len(model.surface.faces)} faces after {used} runs", flush=True)
         said = " ".join(verdict.said.split())[:200].encode("ascii", "replace").decode()
         path = write_model(model, self.options.keep, name, [f"{name}: {verdict.what}: {said}"])
         print(f"  {name}: kept as {path}", flush=True)
+        if interrupted:
+            raise interrupted
         return path
 
     def print_row(self, group, rows):
@@ -156,6 +164,8 @@ class Session:
 def main(given):
     options = arguments(given)
     session = Session(options)
+    for number in (signal.SIGINT, signal.SIGTERM):  # so that the program ends, too, and what was found is written
+        signal.signal(number, signal.default_int_handler)
     try:
         return session.run()
     except (NoModel, Unreadable, OSError) as e:

@@ -10,10 +10,12 @@ from .surface import faults
 class Minimiser:
     def __init__(self, judge, most_runs=200):
         self.judge, self.left = judge, most_runs
+        self.smallest = None  # so far
 
     def minimise(self, model, what):
         """The model, or a smaller one with the same verdict. Its solid goes along where the verdict depends on it; where
         it does not, edges are collapsed once no tet can be left out."""
+        self.smallest = model
         ways = [components]
         if model.solid:
             ways += [stars, tets]
@@ -42,6 +44,7 @@ class Minimiser:
                 verdict = self.judge(candidate)
                 if verdict.failed and verdict.what == what:
                     model, looking = candidate, True
+                    self.smallest = model
                     break
         return model
 

@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import tempfile
+import time
 import unittest
 
 import support
@@ -110,6 +111,23 @@ class Script(unittest.TestCase):
         self.assertEqual(sorted(os.listdir(keep)), ["grown_1.mesh", "grown_1.off"])
         self.assertEqual(self.stress("--program", path, "--again", keep)[0], 1)
         self.assertEqual(self.stress("--program", path, "--kinds", "bend", "--seeds", "1")[0], 0)
+
+    def test_interrupted(self):
+        """The program is ended, and the smallest model so far is kept."""
+        child = os.path.join(self.folder, "child")
+        body = (f"open({child!r} + '.new', 'w').write(str(os.getpid()))\n"
+                f"os.rename({child!r} + '.new', {child!r} + str(faces() < 100))\n"
+                "time.sleep(0 if faces() >= 100 else 60)\nsys.exit(70)")
+        keep = os.path.join(self.folder, "kept")
+        with subprocess.Popen([support.SCRIPT, "--program", program(self.folder, body), "--kinds", "pose", "--seeds", "1",
+                               "--keep", keep, "--minimise"], stdout=subprocess.DEVNULL) as running:
+            while not os.path.exists(child + "True") and running.poll() is None:
+                time.sleep(0.02)
+            running.terminate()
+            self.assertEqual(running.wait(), 130)
+        with open(child + "True", encoding="ascii") as file:
+            self.assertRaises(ProcessLookupError, os.kill, int(file.read()), 0)
+        self.assertLess(len(read_off(os.path.join(keep, "pose_1.off"))[0].faces), len(kinds.make("pose", 1).surface.faces))
 
     def test_usage(self):
         path = program(self.folder, "sys.exit(4)")
