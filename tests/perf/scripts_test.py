@@ -33,6 +33,20 @@ class Scripts(unittest.TestCase):
     def tearDownClass(cls):
         cls.folder.cleanup()
 
+    def test_tangles_with_high_windings_are_meshed(self):
+        for tori, turns, least in ((3, 2, 5), (1, 7, 7)):
+            model, mesh = os.path.join(self.folder.name, "tangle.off"), os.path.join(self.folder.name, "tangle.mesh")
+            made = script(os.path.join(SOURCE, "perf/suite/make_tangle"), model, str(tori), str(turns), "2000")
+            self.assertEqual(made.returncode, 0, made.stderr)
+            report = mesh + ".json"
+            run = subprocess.run([PROGRAM, "mesh", model, "-o", mesh, "--report", report, "--improve", "0"],
+                                 capture_output=True, text=True, timeout=100, check=False)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            with open(report, encoding="utf-8") as file:
+                data = json.load(file)["input"]
+            self.assertEqual(data["hinges"], 0)
+            self.assertGreaterEqual(data["winding_max"], least)
+
     def test_suite_writes_all_runs(self):
         self.assertEqual(self.suite.returncode, 0, self.suite.stdout + self.suite.stderr)
         self.assertIn("1 of 2 solved", self.suite.stdout)
