@@ -9,6 +9,7 @@
 #include <set>
 #include <utility>
 
+#include "kernels/core/tuning.h"
 #include "kernels/core/union_find.h"
 #include "kernels/sat/sat_solver.h"
 #include "src/immersion/sheet_search.h"
@@ -30,8 +31,8 @@ Table variables(SatSolver& solver, int rows, int columns) {
 
 // Of one region: which copy in front goes on into which behind, and where its sheets end.
 struct RegionVariables {
-  Table through;  // front x back
-  Table ends;     // sheet x copy on its inner side
+  Table through;         // front x back
+  Table ends;            // sheet x copy on its inner side
   bool settled = false;  // all are known
 };
 
@@ -117,7 +118,10 @@ class Formula {
       if (!add_link(link)) return false;
     return true;
   }
-  bool fits() const { return solver_.literals() <= kMostLiterals; }
+  bool fits() {
+    answer_.too_large = solver_.literals() > kMostLiterals;
+    return !answer_.too_large;
+  }
 
   // A clause, without what is known.
   void add(std::initializer_list<Literal> given) {
@@ -154,7 +158,8 @@ class Formula {
   RegionVariables open_region(const Region& r, Named named) {
     RegionVariables v;
     v.through = variables(solver_, r.front_winding, r.back_winding);
-    Table at_front(static_cast<std::size_t>(r.front_winding)), at_back(static_cast<std::size_t>(r.back_winding));
+    Table at_front(static_cast<std::size_t>(r.front_winding)),
+        at_back(static_cast<std::size_t>(r.back_winding));
     for (int f = 0; f < r.front_winding; ++f)
       for (int b = 0; b < r.back_winding; ++b) {
         at_front[f].push_back(v.through[f][b]);
@@ -218,8 +223,8 @@ class Formula {
     Literal when;
   };
 
-  // Copies that are known to go on into each other have the same names. known: of some copies, all their names
-  // (empty: to be found).
+  // Copies that are known to go on into each other have the same names. known: of some copies, all their
+  // names (empty: to be found).
   Names names(const std::vector<int>& copies, const std::vector<Way>& ways, int columns, const Names& known) {
     std::vector<std::size_t> begin{0};
     for (const int n : copies) begin.push_back(begin.back() + static_cast<std::size_t>(n));
@@ -271,7 +276,8 @@ class Formula {
         for (std::size_t s = 0; s < known.size(); ++s)
           if (!here[s]) known[s].assign(static_cast<std::size_t>(sectors.copies[s]), {-true_});
       }
-      all.push_back(add_names(sectors, ways_around(fan, sectors, pass.from), static_cast<int>(turns[i].size()), known));
+      all.push_back(
+          add_names(sectors, ways_around(fan, sectors, pass.from), static_cast<int>(turns[i].size()), known));
       add_pass(fan, sectors, pass, turns[i], all.back());
     }
     std::set<Row> done;
@@ -301,7 +307,8 @@ class Formula {
     const Fan::Leaf& l = fan.leaves[leaf];
     for (int a = 0; a < sectors.copies[front]; ++a)
       for (int b = 0; b < sectors.copies[back]; ++b)
-        if (const Literal x = through(l.region, l.flipped, a, b); x != -true_) out.push_back({front, a, back, b, x});
+        if (const Literal x = through(l.region, l.flipped, a, b); x != -true_)
+          out.push_back({front, a, back, b, x});
   }
   // Through all leaves but one.
   std::vector<Way> ways_around(const Fan& fan, const Sectors& sectors, int but) const {
@@ -324,7 +331,8 @@ class Formula {
 
   void add_pass(const Fan& fan, const Sectors& sectors, const Fan::Pass& pass, const Row& turns,
                 const Names& of) {
-    const int away = inner_side(fan, pass.from, pass.from_sheet);  // the side of `from` on which the pass begins
+    const int away =
+        inner_side(fan, pass.from, pass.from_sheet);  // the side of `from` on which the pass begins
     const std::size_t last = turns.size() - 1;
     std::vector<Way> ways;
     add_ways(fan, sectors, pass.from, ways);
@@ -357,8 +365,8 @@ class Formula {
       for (const Way& w : ways)
         for (int layer = 0; layer < layers; ++layer)
           same(w.when, of[w.front][w.a][layer], of[w.back][w.b][layer]);
-      const auto base = static_cast<std::size_t>(
-          std::min_element(link.winding.begin(), link.winding.end()) - link.winding.begin());
+      const auto base = static_cast<std::size_t>(std::min_element(link.winding.begin(), link.winding.end()) -
+                                                 link.winding.begin());
       for (int c = 0; c < layers; ++c) closed.push_back(of[base][c][c]);
       for (std::size_t s = 0; s < of.size(); ++s) {
         for (const Row& copy : of[s]) solver_.at_most_one(copy);
@@ -518,14 +526,15 @@ class Formula {
     }
   }
 
-  // Whether there were any: spheres around a vertex that are not named as closed layers. Copies that go on into
-  // each other like this must be.
+  // Whether there were any: spheres around a vertex that are not named as closed layers. Copies that go on
+  // into each other like this must be.
   bool refuse_wrong_vertices() {
     std::vector<const Gluing*> chosen;
     for (const Gluing& g : answer_.gluings) chosen.push_back(&g);
     std::vector<Row> lacking;
     for (std::size_t i = 0; i < puzzle_.links.size(); ++i)
-      if (!makes_discs(puzzle_.links[i], chosen, regions_)) find_unnamed_spheres(puzzle_.links[i], closed_[i], lacking);
+      if (!makes_discs(puzzle_.links[i], chosen, regions_))
+        find_unnamed_spheres(puzzle_.links[i], closed_[i], lacking);
     for (const Row& clause : lacking) solver_.add(clause);
     return !lacking.empty();
   }
@@ -538,7 +547,8 @@ class Formula {
     std::map<std::size_t, Row> ways;  // by a copy
     for (const VertexLink::Arc& arc : link.arcs) {
       const Gluing& g = answer_.gluings[arc.region];
-      const std::vector<int>&forth = arc.flipped ? g.front_of : g.back_of, &back = arc.flipped ? g.back_of : g.front_of;
+      const std::vector<int>&forth = arc.flipped ? g.front_of : g.back_of,
+            &back = arc.flipped ? g.back_of : g.front_of;
       for (std::size_t c = 0; c < forth.size(); ++c) {
         if (forth[c] < 0) {
           bounded.push_back(begin[arc.front] + c);
@@ -553,8 +563,8 @@ class Formula {
     }
     std::set<std::size_t> with_border;
     for (const std::size_t copy : bounded) with_border.insert(pieces.root(copy));
-    const auto base = static_cast<std::size_t>(
-        std::min_element(link.winding.begin(), link.winding.end()) - link.winding.begin());
+    const auto base = static_cast<std::size_t>(std::min_element(link.winding.begin(), link.winding.end()) -
+                                               link.winding.begin());
     for (std::size_t c = 0; c < closed.size(); ++c) {
       const std::size_t piece = pieces.root(begin[base] + c);
       if (with_border.count(piece) || solver_.holds(closed[c])) continue;
@@ -567,11 +577,14 @@ class Formula {
     }
   }
 
-  // Edges that are wound stop being so, one by one, while those that are not stay as they are.
+  // Edges that are wound stop being so, one by one, while those that are not stay as they are. As a rule, few
+  // of them need not be, and each look takes as long as the whole formula does to be read.
   void wind_less() {
+    int in_vain = 0;
     for (const char pierced : {1, 0})
-      for (Index e = 0; e < puzzle_.free_edges; ++e) {
+      for (Index e = 0; e < puzzle_.free_edges && in_vain < kInVain; ++e) {
         if (puzzle_.pierced[e] != pierced || turns_found_[e] == 0) continue;
+        ++in_vain;
         for (Index other = 0; other < puzzle_.free_edges; ++other)
           if (other == e || (turns_found_[other] == 0 && puzzle_.pierced[other] >= pierced))
             solver_.assume(turns_[other][0]);
@@ -579,7 +592,10 @@ class Formula {
         FormulaAnswer before = answer_;
         std::vector<int> turns = turns_found_;
         read();
-        if (!refuse_wrong_vertices()) continue;
+        if (!refuse_wrong_vertices()) {
+          in_vain = 0;
+          continue;
+        }
         answer_ = std::move(before);
         turns_found_ = std::move(turns);
       }
@@ -592,7 +608,7 @@ class Formula {
   const RunContext& context_;
   SatSolver solver_;
   std::vector<RegionVariables> region_;
-  std::vector<Row> turns_;  // per free edge: what holds where it has 0, 1, ... extra turns
+  std::vector<Row> turns_;   // per free edge: what holds where it has 0, 1, ... extra turns
   std::vector<Row> closed_;  // per link: its layers
   Literal true_ = 0;
   Row clause_;  // of add()

@@ -23,7 +23,7 @@ namespace {
 
 using Triple = std::array<Index, 3>;
 
-// More than 12 members: the arguments (six), and what find_edges leaves for the searches (eight).
+// More than 12 members: the arguments (six), and what find_edges leaves for the searches (nine).
 class Assigner {
  public:
   Assigner(const Surface& surface, const Arrangement& arrangement, const TetgenResult& tets,
@@ -52,13 +52,13 @@ class Assigner {
     for (const auto& [edge, turns] : turns_) near_.insert({edge.first, edge.second});
     int rings = 0;
     for (const int wanted : kFreeRings) {
-      if (near_.empty()) break;
+      if (near_.empty() || too_large_) break;
       while (rings < wanted) widen(), ++rings;
       if (std::optional<Error> other = glue_freely(); !other || other->code != ErrorCode::unsolved)
         return answer(other);
     }
     near_.clear();
-    return answer(glue_freely());
+    return answer(too_large_ ? failure_ : glue_freely());
   }
 
  private:
@@ -79,6 +79,7 @@ class Assigner {
       if (auto error = find_edges()) return error;
       const FormulaAnswer found = solve_as_formula(out_.regions, out_.winding, puzzle_, variant_, context_);
       out_.search_nodes += found.solves;
+      too_large_ = found.too_large;
       if (auto stop = context_.stop()) return stop;
       if (found.verdict == FormulaAnswer::Verdict::found) {
         take([&](Index r) -> const Gluing& { return found.gluings[r]; });
@@ -593,8 +594,9 @@ class Assigner {
   std::map<Edge, int> turns_;  // of the wound edges given
   bool free_ = false;          // covered edges may be wound
   Error failure_{ErrorCode::unsolved, "The layers of the solid cannot be glued in another way."};
-  bool discs_;            // vertices at edges that turn must have them
-  std::set<Index> near_;  // vertices at which they may; none: all
+  bool too_large_ = false;  // the last formula
+  bool discs_;              // vertices at edges that turn must have them
+  std::set<Index> near_;    // vertices at which they may; none: all
   std::map<Edge, Index> free_edges_;
   std::vector<Range> free_groups_;  // uses of fans over such edges
   Sheets out_;
