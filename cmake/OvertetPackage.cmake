@@ -33,6 +33,12 @@ a static library, and its descriptions for CMake and pkg-config.")
 # What Debian's policy wants beside every package.
 find_program(GZIP gzip)
 file(READ ${CMAKE_SOURCE_DIR}/LICENSE license)
+set(cadical_licence /usr/share/doc/libcadical-dev/copyright)  # it is linked into both packages
+if(EXISTS ${cadical_licence})
+  file(READ ${cadical_licence} cadical_copyright)
+else()
+  message(WARNING "${cadical_licence} is missing: packages made here lack CaDiCaL's licence, so do not pass them on.")
+endif()
 configure_file(cmake/debian/copyright.in package/copyright @ONLY)
 foreach(component PROGRAM DEVELOPMENT)
   set(PACKAGE ${CPACK_DEBIAN_${component}_PACKAGE_NAME})

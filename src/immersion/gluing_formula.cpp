@@ -22,11 +22,22 @@ namespace {
 using Row = std::vector<Literal>;
 using Table = std::vector<Row>;
 
-Table variables(SatSolver& solver, int rows, int columns) {
-  Table out(static_cast<std::size_t>(rows), Row(static_cast<std::size_t>(columns)));
-  for (Row& row : out)
-    for (Literal& x : row) x = solver.new_variable();
+Row variables(SatSolver& solver, std::size_t count) {
+  Row out(count);
+  for (Literal& x : out) x = solver.new_variable();
   return out;
+}
+
+// Of lists of copies: where each begins among all, and at the end how many there are.
+std::vector<std::size_t> offsets(const std::vector<int>& copies) {
+  std::vector<std::size_t> out{0};
+  for (const int n : copies) out.push_back(out.back() + static_cast<std::size_t>(n));
+  return out;
+}
+
+// The first of the shortest lists.
+std::size_t shortest(const std::vector<int>& copies) {
+  return static_cast<std::size_t>(std::min_element(copies.begin(), copies.end()) - copies.begin());
 }
 
 // Of one region: which copy in front goes on into which behind, and where its sheets end.
@@ -65,9 +76,7 @@ Sectors sectors_of(const Fan& fan, const std::vector<Region>& regions) {
   return out;
 }
 
-int fewest(const Sectors& s) {
-  return s.closed && !s.copies.empty() ? *std::min_element(s.copies.begin(), s.copies.end()) : 0;
-}
+int fewest(const Sectors& s) { return s.closed && !s.copies.empty() ? s.copies[shortest(s.copies)] : 0; }
 
 // Passes are listed in both directions or in one; here each once.
 std::vector<std::size_t> single_passes(const Fan& fan) {
@@ -96,7 +105,7 @@ class Formula {
   }
 
  private:
-  // False: too large, or it is known already that there is nothing.
+  // False: too large, stopped, or it is known already that there is nothing.
   bool build() {
     true_ = solver_.new_variable();
     solver_.add({true_});
@@ -120,7 +129,14 @@ class Formula {
   }
   bool fits() {
     answer_.too_large = solver_.literals() > kMostLiterals;
-    return !answer_.too_large;
+    return !answer_.too_large && !stopped();
+  }
+
+  // By the context. The solver's memory grows as clauses are added and learnt.
+  bool stopped() {
+    if (!answer_.stop) answer_.stop = context_.stop();
+    if (!answer_.stop && ++looks_ % 256 == 0) answer_.stop = context_.no_room_for(0);
+    return answer_.stop.has_value();
   }
 
   // A clause, without what is known.
@@ -157,7 +173,8 @@ class Formula {
 
   RegionVariables open_region(const Region& r, Named named) {
     RegionVariables v;
-    v.through = variables(solver_, r.front_winding, r.back_winding);
+    for (int f = 0; f < r.front_winding; ++f)
+      v.through.push_back(variables(solver_, static_cast<std::size_t>(r.back_winding)));
     Table at_front(static_cast<std::size_t>(r.front_winding)),
         at_back(static_cast<std::size_t>(r.back_winding));
     for (int f = 0; f < r.front_winding; ++f)
@@ -170,7 +187,7 @@ class Formula {
     for (const int sign : r.signs) {
       Table& side = sign > 0 ? at_back : at_front;
       in_order = in_order && (sign > 0) == (named == Named::back);
-      v.ends.push_back(variables(solver_, 1, static_cast<int>(side.size()))[0]);
+      v.ends.push_back(variables(solver_, side.size()));
       for (std::size_t c = 0; c < side.size(); ++c) side[c].push_back(v.ends.back()[c]);
       solver_.exactly_one(v.ends.back());
     }
@@ -194,7 +211,7 @@ class Formula {
         if (e >= 0) most[e] = std::min(most[e], here);
     }
     for (Index e = 0; e < puzzle_.free_edges; ++e) {
-      turns_.push_back(variables(solver_, 1, most[e] + 1)[0]);
+      turns_.push_back(variables(solver_, static_cast<std::size_t>(most[e]) + 1));
       solver_.exactly_one(turns_[e]);
       solver_.prefer(turns_[e][0]);
     }
@@ -226,8 +243,7 @@ class Formula {
   // Copies that are known to go on into each other have the same names. known: of some copies, all their
   // names (empty: to be found).
   Names names(const std::vector<int>& copies, const std::vector<Way>& ways, int columns, const Names& known) {
-    std::vector<std::size_t> begin{0};
-    for (const int n : copies) begin.push_back(begin.back() + static_cast<std::size_t>(n));
+    const std::vector<std::size_t> begin = offsets(copies);
     UnionFind same(begin.back());
     for (const Way& w : ways)
       if (w.when == true_) same.join(begin[w.front] + w.a, begin[w.back] + w.b);
@@ -238,7 +254,7 @@ class Formula {
     for (std::size_t s = 0; s < copies.size(); ++s)
       for (int c = 0; c < copies[s]; ++c) {
         Row& row = of[same.root(begin[s] + c)];
-        if (row.empty()) row = variables(solver_, 1, columns)[0];
+        if (row.empty()) row = variables(solver_, static_cast<std::size_t>(columns));
         out[s].push_back(row);
       }
     return out;
@@ -257,8 +273,7 @@ class Formula {
     }
     std::vector<Names> all;
     if (const int closing = fewest(sectors); closing > 0) {
-      const auto base = static_cast<std::size_t>(
-          std::min_element(sectors.copies.begin(), sectors.copies.end()) - sectors.copies.begin());
+      const std::size_t base = shortest(sectors.copies);
       Names known(sectors.copies.size());
       for (int c = 0; c < closing; ++c) {
         Row row(static_cast<std::size_t>(closing), -true_);
@@ -355,7 +370,8 @@ class Formula {
   }
 
   bool add_link(const VertexLink& link) {
-    int layers = *std::min_element(link.winding.begin(), link.winding.end());
+    const std::size_t base = shortest(link.winding);
+    int layers = link.winding[base];
     for (const VertexLink::Arc& arc : link.arcs)
       if (arc.front < 0 || arc.back < 0) layers = 0;
     Row& closed = closed_.emplace_back();
@@ -365,8 +381,6 @@ class Formula {
       for (const Way& w : ways)
         for (int layer = 0; layer < layers; ++layer)
           same(w.when, of[w.front][w.a][layer], of[w.back][w.b][layer]);
-      const auto base = static_cast<std::size_t>(std::min_element(link.winding.begin(), link.winding.end()) -
-                                                 link.winding.begin());
       for (int c = 0; c < layers; ++c) closed.push_back(of[base][c][c]);
       for (std::size_t s = 0; s < of.size(); ++s) {
         for (const Row& copy : of[s]) solver_.at_most_one(copy);
@@ -486,7 +500,7 @@ class Formula {
 
   SatAnswer ask(std::int64_t conflicts) {
     ++answer_.solves;
-    return solver_.solve(conflicts, [&] { return context_.stop().has_value(); });
+    return solver_.solve(conflicts, [&] { return stopped(); });
   }
 
   void solve() {
@@ -540,8 +554,7 @@ class Formula {
   }
 
   void find_unnamed_spheres(const VertexLink& link, const Row& closed, std::vector<Row>& lacking) const {
-    std::vector<std::size_t> begin{0};
-    for (const Index w : link.winding) begin.push_back(begin.back() + static_cast<std::size_t>(w));
+    const std::vector<std::size_t> begin = offsets(link.winding);
     UnionFind pieces(begin.back());
     std::vector<std::size_t> bounded;
     std::map<std::size_t, Row> ways;  // by a copy
@@ -563,8 +576,7 @@ class Formula {
     }
     std::set<std::size_t> with_border;
     for (const std::size_t copy : bounded) with_border.insert(pieces.root(copy));
-    const auto base = static_cast<std::size_t>(std::min_element(link.winding.begin(), link.winding.end()) -
-                                               link.winding.begin());
+    const std::size_t base = shortest(link.winding);
     for (std::size_t c = 0; c < closed.size(); ++c) {
       const std::size_t piece = pieces.root(begin[base] + c);
       if (with_border.count(piece) || solver_.holds(closed[c])) continue;
@@ -577,8 +589,9 @@ class Formula {
     }
   }
 
-  // Edges that are wound stop being so, one by one, while those that are not stay as they are. As a rule, few
-  // of them need not be, and each look takes as long as the whole formula does to be read.
+  // Edges that are wound stop being so, one by one, and no others begin; but others that nothing pierces may
+  // take the place of a pierced one. As a rule, few of them need not be wound, and each try takes as long as
+  // the whole formula does to be read.
   void wind_less() {
     int in_vain = 0;
     for (const char pierced : {1, 0})
@@ -611,7 +624,8 @@ class Formula {
   std::vector<Row> turns_;   // per free edge: what holds where it has 0, 1, ... extra turns
   std::vector<Row> closed_;  // per link: its layers
   Literal true_ = 0;
-  Row clause_;  // of add()
+  Row clause_;              // of add()
+  std::int64_t looks_ = 0;  // of stopped()
   std::vector<int> turns_found_;
   FormulaAnswer answer_;
 };

@@ -22,8 +22,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "overtet/result.h"
 #include "overtet/run_context.h"
 #include "overtet/types.h"
 #include "src/immersion/sheet_puzzle.h"
@@ -34,6 +36,7 @@ struct FormulaAnswer {
   enum class Verdict { found, none, undecided } verdict = Verdict::undecided;
   std::vector<Gluing> gluings;  // per region, where found
   bool too_large = false;       // undecided, as any formula with more free edges would be
+  std::optional<Error> stop;    // limit or interrupted: undecided for that reason
   std::int64_t solves = 0;      // of the formula and of what was added to it
 };
 

@@ -80,7 +80,7 @@ class Assigner {
       const FormulaAnswer found = solve_as_formula(out_.regions, out_.winding, puzzle_, variant_, context_);
       out_.search_nodes += found.solves;
       too_large_ = found.too_large;
-      if (auto stop = context_.stop()) return stop;
+      if (found.stop) return found.stop;
       if (found.verdict == FormulaAnswer::Verdict::found) {
         take([&](Index r) -> const Gluing& { return found.gluings[r]; });
         return std::nullopt;
@@ -390,8 +390,8 @@ class Assigner {
     }
     std::set<Index> facets;
     for (const std::span<const EdgeUse> group : edges) {
-      link.edges.emplace_back();
-      link.corners.push_back(make_fan(group, &link.edges.back()));
+      if (free_) link.edges.emplace_back();
+      link.corners.push_back(make_fan(group, free_ ? &link.edges.back() : nullptr));
       ends[group[0].p == v ? group[0].q : group[0].p] = -1;
       for (const EdgeUse& use : group) facets.insert(use.facet);
     }
@@ -405,7 +405,7 @@ class Assigner {
       link.rest -=
           region.front_winding + static_cast<int>(std::count(region.signs.begin(), region.signs.end(), 1));
     }
-    link.borders = borders_around(edges);
+    if (free_) link.borders = borders_around(edges);
     return link;
   }
 

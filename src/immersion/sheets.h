@@ -11,8 +11,9 @@
 //     full turns more than the dihedral angle seen in space: k = 0, except at wound edges, where
 //     hinges force k > 0 (see src/covering/wound_edges.h).
 // Gluings are constant on the regions between intersection curves, and relabelling the copies of a cell
-// changes nothing, so what remains is a small exact constraint problem, solved by
-// backtracking (sheet_search.h). No solution means: no solid with these wound edges exists.
+// changes nothing, so what remains is a small exact constraint problem. With the wound edges given
+// it is solved by backtracking (sheet_search.h); where that finds nothing, with others, as a formula
+// (gluing_formula.h).
 //
 // Source: the cover view of immersions in the plane (Shor and Van Wyk 1992), and of solids (Li and Barbic
 // 2018, "Immersion of self-intersecting solids and surfaces"), who exclude hinges.
@@ -54,10 +55,10 @@ struct Sheets {
   std::vector<std::array<Index, 4>> facet_on;  // #T: the facet on the face opposite to each corner, or -1
   std::vector<Facet> facets;
   std::vector<Region> regions;
-  std::vector<Index> slot_map;  // region slot of each sheet of a facet with several
-  Index cuts = 0;               // faces inside cells that had to be cut to make them simply connected
-  Index constraints = 0;        // distinct kinds of edges that had to be satisfied
-  std::int64_t search_nodes = 0;
+  std::vector<Index> slot_map;    // region slot of each sheet of a facet with several
+  Index cuts = 0;                 // faces inside cells that had to be cut to make them simply connected
+  Index constraints = 0;          // distinct kinds of edges that had to be satisfied
+  std::int64_t search_nodes = 0;  // steps of the search, and questions to the solver of formulas
 
   Index winding_of(Index tet) const { return tet < 0 ? 0 : winding[cell[tet]]; }
 

@@ -19,8 +19,9 @@ struct VertexLink {
   std::vector<Arc> arcs;
   std::vector<Fan> corners;  // edges of the arrangement at the vertex
   int rest = 0;              // of the Euler characteristic: all but the corners
-  int borders = 0;           // closed polygons of what ends at the vertex
-  // Per corner and pass of its fan, the number of the edge, or -1.
+  // Only where edges may be wound: closed polygons of what ends at the vertex; per corner and pass of its
+  // fan, the number of the free edge, or -1.
+  int borders = 0;
   std::vector<std::vector<Index>> edges;
 };
 

@@ -134,8 +134,8 @@ TEST(HingeKinds, AreFoundWithoutWoundEdges) {
     }
 }
 
-// Where the wound edges given are wrong, those around them are tried first: with all edges in the search, it
-// may take minutes.
+// Where the wound edges given are wrong, those around them are tried first: the fewer edges are free, the
+// fewer regions there are.
 TEST(HingeKinds, WrongWoundEdgesArePutRightNearby) {
   const Stairs s = spiral_stairs({.turns = 1.4, .edges = 8, .bend = 0.1});
   const Diagnosis d = test::diagnosed(s.surface);
