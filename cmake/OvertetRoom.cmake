@@ -1,11 +1,12 @@
-# overtet_room(NAME SOURCES ... [CGAL_SOURCES ...] [LINKS ...] [PRIVATE_LINKS ...])
+# overtet_room(NAME [PROGRAM] SOURCES ... [CGAL_SOURCES ...] [LINKS ...] [PRIVATE_LINKS ...])
 #
 # One static library for one folder of kernels/ or src/. Headers are included by their path from the
 # top of the repository ("kernels/bvh/bvh.h", "src/mesh/topology.h"). LINKS are the rooms and libraries
 # whose types appear in the room's headers; PRIVATE_LINKS stay inside its .cpp files. CGAL_SOURCES are the
 # files that include CGAL: its interval arithmetic needs -frounding-math, which the others do without.
+# PROGRAM: the room belongs to the program, not to libovertet.
 function(overtet_room name)
-  cmake_parse_arguments(ROOM "" "" "SOURCES;CGAL_SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
+  cmake_parse_arguments(ROOM "PROGRAM" "" "SOURCES;CGAL_SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
   add_library(overtet_${name} STATIC ${ROOM_SOURCES})
   target_include_directories(overtet_${name} PUBLIC ${CMAKE_SOURCE_DIR})
   target_link_libraries(overtet_${name} PUBLIC overtet_public ${ROOM_LINKS} PRIVATE ${ROOM_PRIVATE_LINKS})
@@ -27,8 +28,9 @@ function(overtet_room name)
     target_link_libraries(overtet_${name} PRIVATE gmp mpfr)
     set_property(GLOBAL APPEND PROPERTY OVERTET_OBJECTS $<TARGET_OBJECTS:overtet_${name}_cgal>)
   endif()
-  # What overtet_library() puts together.
-  set_property(GLOBAL APPEND PROPERTY OVERTET_OBJECTS $<TARGET_OBJECTS:overtet_${name}>)
+  if(NOT ROOM_PROGRAM)  # what overtet_library() puts together
+    set_property(GLOBAL APPEND PROPERTY OVERTET_OBJECTS $<TARGET_OBJECTS:overtet_${name}>)
+  endif()
 endfunction()
 
 # overtet_unity(TARGET): with OVERTET_UNITY, files of one target are compiled some at a time, in two thirds of the CPU time:
