@@ -4,7 +4,9 @@
 // the surface's vertices come first, in their order and unmoved to the last bit; the boundary faces are the
 // surface's faces, with its orientation; every tet is positive; the tets form a 3-manifold with boundary, and
 // around every interior edge they make exactly one turn. Tets overlap in space where the surface does. With
-// OnInfeasible::repair all of this holds for the surface with the vertices in `moved` at their new places.
+// OnInfeasible::repair all of this holds for the surface with the vertices in `moved` at their new places, with
+// OnInfeasible::refine for the surface `refined`; with OnInfeasible::branch all but the one turn around the
+// edges in `branch_edges`, which are inside.
 //
 // Same surface and options: same mesh, to the byte, on any number of threads, as long as no deadline cuts the
 // stage short (which is logged). Source: Sacht et al., "Consistent Volumetric Discretizations Inside
@@ -12,6 +14,7 @@
 // and 4 for the flow route. docs/immersion.md derives the immersion route.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -27,7 +30,21 @@ enum class Preset {
   standard,  // the immersion route, then the flow route if that finds no mesh
   flow       // the flow route only
 };
-enum class OnInfeasible { reject, repair };
+enum class OnInfeasible {
+  reject,
+  repair,  // move a few vertices a little
+  // Where a mesh is only forbidden by the one turn around every interior edge, or by how the surface's faces
+  // lie. Negative winding numbers and vertices with B0 < 0 forbid these, too (docs/theory.md).
+  refine,  // the same shape, a few faces of it subdivided
+  branch   // the surface as it is; around some interior edges (branch lines) the tets make two turns or more
+};
+
+// A surface with some faces subdivided.
+struct RefinedSurface {
+  Surface surface;                // the vertices come first, then those that were added
+  std::vector<Index> face;        // of each face: the input's that it is, or is a piece of; increasing
+  std::vector<Index> subdivided;  // the input's faces that are in pieces, sorted
+};
 
 struct MeshingOptions {
   Preset preset = Preset::standard;
@@ -45,6 +62,8 @@ struct Meshing {
   TetQuality quality;
   std::vector<Index> moved;      // vertices of the surface that a repair has moved, sorted
   double max_relative_move = 0;  // the largest move over the diagonal of the bounding box
+  RefinedSurface refined;        // of OnInfeasible::refine, where faces were subdivided; else empty
+  std::vector<std::array<Index, 2>> branch_edges;  // of OnInfeasible::branch: vertices of the mesh, a < b
   std::string hash;              // of the mesh's vertices and tets: 16 hexadecimal digits
 };
 

@@ -2,6 +2,7 @@
 // docs/report.schema.json is their schema. Vertices are counted from 0.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -16,7 +17,7 @@
 
 namespace overtet {
 
-enum class RunStatus { exact, repaired, infeasible, unsolved, bad_input, limit, interrupted, failed };
+enum class RunStatus { exact, repaired, refined, branched, infeasible, unsolved, bad_input, limit, interrupted, failed };
 const char* name_of(RunStatus status);  // as in the report, for instance "bad-input"
 RunStatus status_of(ErrorCode code);    // of a run that ended with such an error
 
@@ -49,6 +50,10 @@ struct Report {
   std::int64_t moved_vertices = 0;
   double max_relative_move = 0, mean_relative_move = 0;  // of the diagonal; the mean of those that moved
   std::vector<std::int64_t> moved_ids;                   // the vertices, sorted
+  std::vector<Index> subdivided_faces;  // of `refined`: the input's faces that are in pieces, sorted
+  std::int64_t added_vertices = 0;      // of the refined surface
+  std::vector<Index> face_of_piece;     // and of each face of the refined surface the input's
+  std::vector<std::array<Index, 2>> branch_edges;  // of `branched`: vertices of the mesh, a < b, sorted
   std::vector<StageRecord> stages;
   std::optional<TetQuality> quality;
   double seconds = 0;

@@ -9,7 +9,8 @@
 //   R5  every other face is shared by exactly two tets from opposite sides, and the tets around every
 //       vertex form one ball (interior) or one half ball (boundary): a 3-manifold with boundary
 //   R6  the tets around every interior edge make exactly one turn. Around edges of the surface more is
-//       allowed (the paper's hinges).
+//       allowed (the paper's hinges). With allow_branches more is allowed inside, too: such edges are
+//       branch lines.
 //
 // R6 needs no angles: in a ring of positive tets around an edge the number of turns is the number of tets
 // whose wedge contains a fixed direction, which two exact orientations per tet decide.
@@ -18,6 +19,7 @@
 // result does not depend on the number of threads.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -33,6 +35,11 @@ struct VerifyOptions {
   // How far a vertex of the surface may have moved, relative to the diagonal of its bounding box; 0: not
   // at all.
   double max_move = 0;
+  // Interior edges with two turns or more (branch lines) are listed instead of refused. Everything else is
+  // checked as ever. That a line ends on the boundary only need not be asked: it follows from R5, since the
+  // link of an interior vertex, a sphere, covers the directions there d times, and by Riemann and Hurwitz the
+  // turns beyond one at its edges sum up to 2 d - 2, with each of them at most d - 1.
+  bool allow_branches = false;
 };
 
 enum class Rule { R1 = 1, R2, R3, R4, R5, R6 };
@@ -55,6 +62,7 @@ struct VerifyResult {
   std::int64_t surface_vertices = 0, surface_faces = 0, vertices = 0, tets = 0, boundary_faces = 0;
   std::int64_t moved_vertices = 0;
   double max_move = 0;   // relative to the diagonal
+  std::vector<std::array<Index, 2>> branch_edges;  // with allow_branches: a < b, sorted
   bool complete = true;  // false: stopped by the context; the answer is unknown
 
   bool ok() const { return complete && failures.empty(); }

@@ -14,6 +14,8 @@ Result<Meshing> tetrahedralize(const Surface& surface, const MeshingOptions& opt
   made.quality = told.quality.value_or(TetQuality{});
   made.moved.assign(told.moved_ids.begin(), told.moved_ids.end());
   made.max_relative_move = told.max_relative_move;
+  made.refined = std::move(run.refined);
+  made.branch_edges = std::move(told.branch_edges);
   made.hash = std::move(told.result_hash);
   return made;
 }

@@ -30,6 +30,14 @@ const char* rule_name(const Certificate& certificate) {
   return std::visit([](const auto& c) { return rules::name(c); }, certificate);
 }
 
+bool forbids_branch_lines(const Certificate& certificate) {
+  return std::holds_alternative<WindingCertificate>(certificate) ||
+         std::holds_alternative<VertexCertificate>(certificate) ||
+         std::holds_alternative<FoldCertificate>(certificate) ||
+         std::holds_alternative<StackCertificate>(certificate) ||
+         std::holds_alternative<CustomCertificate>(certificate);
+}
+
 std::string explain(const Certificate& certificate) {
   return std::visit([](const auto& c) { return rules::explain(c); }, certificate);
 }

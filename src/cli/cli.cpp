@@ -54,8 +54,10 @@ CLI::App* add_mesh(CLI::App& app, MeshCommand& mesh) {
   command->add_option("--report", mesh.report, "Write a JSON report to this file, even if no mesh is made");
   command
       ->add_option("--on-infeasible", mesh.on_infeasible,
-                   "If no mesh exists: reject the surface, or repair it by moving a few vertices")
-      ->check(CLI::IsMember({"reject", "repair"}))
+                   "If no mesh exists: reject the surface; repair it by moving a few vertices; refine it: the "
+                   "same shape, a few faces subdivided; or branch: the tets make two turns around some edges "
+                   "inside")
+      ->check(CLI::IsMember({"reject", "repair", "refine", "branch"}))
       ->capture_default_str();
   command
       ->add_option("--preset", mesh.preset,
@@ -68,6 +70,8 @@ CLI::App* add_mesh(CLI::App& app, MeshCommand& mesh) {
                    "Smallest dihedral angle that the quality pass aims at, in degrees; 0: no quality pass")
       ->check(CLI::Range(0.0, 40.0))
       ->capture_default_str();
+  command->add_option("--save-surface", mesh.save_surface,
+                      "Write the surface that the mesh is of to this file, repaired or refined: .off, .obj or .ply");
   command->add_option("--save-stages", mesh.save_stages, "Save the intermediate states in this folder");
   command->add_option("--resume", mesh.resume,
                       "Continue from the states that --save-stages left in this folder");
@@ -116,6 +120,8 @@ CLI::App* add_verify(CLI::App& app, VerifyCommand& verify) {
           "Largest move to allow a vertex of the surface, in percent of the diagonal of the bounding box")
       ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str();
+  command->add_flag("--allow-branches", verify.allow_branches,
+                    "Allow interior edges around which the tets make two turns or more, and count them");
   command->add_flag("--json", verify.json, "Print JSON");
   return command;
 }

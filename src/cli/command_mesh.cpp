@@ -32,6 +32,7 @@ std::vector<Figure> options_of(const MeshCommand& c, const CommonOptions& common
                            {"threads", std::int64_t{common.threads}}};
   if (common.time_limit > 0) o.emplace_back("time_limit", common.time_limit);
   if (common.memory_limit > 0) o.emplace_back("memory_limit", common.memory_limit);
+  if (!c.save_surface.empty()) o.emplace_back("save_surface", c.save_surface);
   if (!c.save_stages.empty()) o.emplace_back("save_stages", c.save_stages);
   if (!c.resume.empty()) o.emplace_back("resume", c.resume);
   return o;
@@ -47,7 +48,32 @@ std::string plain(double x, int digits) {
   return text;
 }
 
-std::string what_was_moved(const Report& r) {
+std::string counted(std::size_t n, const char* one, const char* many = nullptr) {
+  return std::to_string(n) + " " + (n == 1 ? one : many ? many : std::string(one) + "s");
+}
+
+// What would do where there is no mesh, as far as that is known without trying.
+std::string what_may_help(const MeshCommand& c, const Error& e) {
+  if (e.code != ErrorCode::infeasible || c.on_infeasible == "repair") return {};
+  const std::string repair =
+      " --on-infeasible repair moves vertices, as little as it can, until there is a mesh.";
+  if (c.on_infeasible != "reject" || !e.certificate) return repair;
+  if (forbids_branch_lines(*e.certificate))
+    return repair + " Subdividing faces (refine) or branch lines (branch) would not help.";
+  return repair +
+         " Without moving any, refine (a few faces subdivided) or branch (two turns around some edges inside) may do: "
+         "that is not ruled out, and known when it has been tried.";
+}
+
+std::string what_was_changed(const MeshCommand& c, const Report& r) {
+  if (r.status == RunStatus::refined)
+    return " The surface was refined: " + counted(r.subdivided_faces.size(), "face") + " of " +
+           std::to_string(r.input.faces) + " subdivided, " +
+           counted(static_cast<std::size_t>(r.added_vertices), "vertex", "vertices") + " added; its shape is the same" +
+           (c.save_surface.empty() ? " (--save-surface writes it)." : ".");
+  if (r.status == RunStatus::branched)
+    return " The surface is as it was; around " + counted(r.branch_edges.size(), "interior edge") +
+           " the tets make two turns or more (the report lists them; overtet verify --allow-branches).";
   if (r.status != RunStatus::repaired) return {};
   return " The surface was repaired: " + std::to_string(r.moved_vertices) +
          (r.moved_vertices == 1 ? " vertex" : " vertices") + " moved, by " +
@@ -58,18 +84,27 @@ std::string what_was_made(const MeshCommand& c, const Meshing& m, const Report& 
   return c.output + ": " + std::to_string(m.mesh.V.rows()) + " vertices, " + std::to_string(m.mesh.T.rows()) +
          " tets, smallest dihedral angle " + plain(m.quality.dihedral_min, 2) + " degrees (" +
          plain(m.quality.dihedral_p01, 1) + " at 1 %), checked exactly, " + plain(report.seconds, 1) + " s." +
-         what_was_moved(report);
+         what_was_changed(c, report);
 }
 
 MeshingOptions meshing_options(const MeshCommand& c) {
   MeshingOptions o;
   o.preset = c.preset == "default" ? Preset::standard : Preset::flow;
-  o.on_infeasible = c.on_infeasible == "repair" ? OnInfeasible::repair : OnInfeasible::reject;
+  o.on_infeasible = c.on_infeasible == "repair"   ? OnInfeasible::repair
+                    : c.on_infeasible == "refine" ? OnInfeasible::refine
+                    : c.on_infeasible == "branch" ? OnInfeasible::branch
+                                                  : OnInfeasible::reject;
   o.max_repair_move = c.max_move / 100;
   o.improve_degrees = c.improve_degrees;
   o.save_stages = c.save_stages;
   o.resume = c.resume;
   return o;
+}
+
+// What the mesh is of: the input, repaired or refined.
+Surface surface_of(const Surface& input, const Meshing& made) {
+  if (!made.refined.subdivided.empty()) return made.refined.surface;
+  return {made.mesh.V.topRows(input.V.rows()), input.F};
 }
 
 // Reads, meshes and writes; `dismiss` is called when everything that takes long is over: a file that has its
@@ -93,6 +128,11 @@ Result<Meshing> make_mesh(const MeshCommand& command, TetFormat format, const Ru
   if (!made) return made;
   if (interrupt_flag()) return Error{ErrorCode::interrupted, "Interrupted; nothing was written."};
   context.report("write", 0);
+  if (!command.save_surface.empty())
+    if (Status s = write_surface(command.save_surface, surface_of(surface.value(), made.value()),
+                                 surface_format_of(command.save_surface).value(), context);
+        !s)
+      return s.error();
   if (Status s = write_tets(command.output, made.value().mesh, format, context); !s) return s.error();
   return made;
 }
@@ -103,13 +143,19 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
   const Result<TetFormat> format =
       command.format.empty() ? tet_format_of(command.output) : tet_format_named(command.format);
   if (!format) return fail(terminal, format.error());
-  if (same_file(command.input, command.output) || same_file(command.input, command.report))
+  if (!command.save_surface.empty())
+    if (const auto named = surface_format_of(command.save_surface); !named) return fail(terminal, named.error());
+  if (same_file(command.input, command.output) || same_file(command.input, command.report) ||
+      same_file(command.input, command.save_surface))
     return fail(terminal, {ErrorCode::usage,
                            "The output or the report would overwrite the input; choose another name."});
-  if (same_file(command.output, command.report))
+  if (same_file(command.output, command.report) || same_file(command.output, command.save_surface) ||
+      same_file(command.report, command.save_surface))
     return fail(terminal, {ErrorCode::usage,
                            "The output and the report have the same name; choose another for one of them."});
-  OutputProbe output_probe, report_probe;
+  OutputProbe output_probe, report_probe, surface_probe;
+  if (!command.save_surface.empty())
+    if (Status s = surface_probe.open(command.save_surface); !s) return fail(terminal, s.error());
   if (Status s = output_probe.open(command.output); !s) return fail(terminal, s.error());
   if (!command.report.empty())
     if (Status s = report_probe.open(command.report); !s) return fail(terminal, s.error());
@@ -137,8 +183,7 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
   report.seconds = seconds();
   if (!made) report.status = status_of(made.error().code);
   report.message = made ? what_was_made(command, made.value(), report) : with_hint(made.error());
-  if (!made && made.error().code == ErrorCode::infeasible && command.on_infeasible == "reject")
-    report.message += " --on-infeasible repair moves vertices, as little as it can, until there is a mesh.";
+  if (!made) report.message += what_may_help(command, made.error());
   terminal.clear();
   if (report.status != RunStatus::interrupted) {
     if (Status s = write_report(command.report, report); !s) {

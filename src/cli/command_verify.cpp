@@ -19,6 +19,7 @@ int run(const VerifyCommand& command, const CommonOptions& common, Terminal& ter
   if (!mesh) return fail(terminal, mesh.error());
   VerifyOptions options;
   options.geometry_only = !info.has_vertex_order;
+  options.allow_branches = command.allow_branches;
   options.max_move = command.max_move / 100;
   const VerifyResult r = verify(surface.value(), mesh.value(), options, context);
   if (!r.complete)
@@ -34,6 +35,7 @@ int run(const VerifyCommand& command, const CommonOptions& common, Terminal& ter
                                 {"tets", r.tets},
                                 {"boundary_faces", r.boundary_faces},
                                 {"moved", {{"vertices", r.moved_vertices}, {"max_relative", r.max_move}}}};
+    if (command.allow_branches) j["branch_edges"] = r.branch_edges;
     j["failures"] = nlohmann::ordered_json::array();
     for (const VerifyFailure& f : r.failures)
       j["failures"].push_back({{"rule", "R" + std::to_string(static_cast<int>(f.rule))},
@@ -55,6 +57,8 @@ int run(const VerifyCommand& command, const CommonOptions& common, Terminal& ter
     if (readable)
       std::printf("dihedral  %.3g to %.4g degrees, 1 %% below %.3g\n", q.dihedral_min, q.dihedral_max,
                   q.dihedral_p01);
+    if (!r.branch_edges.empty())
+      std::printf("branches  %zu interior edges with two turns or more\n", r.branch_edges.size());
     for (const VerifyFailure& f : r.failures) std::printf("FAILED    %s\n", f.message.c_str());
     std::puts(r.ok() ? "accepted" : "rejected");
   }

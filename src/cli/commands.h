@@ -22,7 +22,7 @@ struct CommonOptions {
 };
 
 struct MeshCommand {
-  std::string input, output, report, format, save_stages, resume;
+  std::string input, output, report, format, save_surface, save_stages, resume;
   std::string on_infeasible = "reject", preset = "default";
   double improve_degrees = 17;
   double max_move = 6;  // percent of the diagonal, of a repair
@@ -42,6 +42,7 @@ struct RepairCommand {
 struct VerifyCommand {
   std::string surface, mesh;
   double max_move = 0;  // percent of the diagonal
+  bool allow_branches = false;
   bool json = false;
 };
 

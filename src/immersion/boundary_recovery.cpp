@@ -28,8 +28,8 @@ using Eigen::Vector3d;
 class Clearer {
  public:
   Clearer(const Surface& surface, TetComplex& complex, const std::vector<Triple>& boundary,
-          const std::vector<Index>& face, const RunContext& context)
-      : surface_(surface), complex_(complex), context_(context) {
+          const std::vector<Index>& face, const BoundaryPointsOptions& options, const RunContext& context)
+      : surface_(surface), complex_(complex), options_(options), context_(context) {
     const Index n = static_cast<Index>(surface.V.rows());
     std::set<Index> points;
     for (std::size_t i = 0; i < boundary.size(); ++i)
@@ -280,7 +280,7 @@ class Clearer {
       cap_face.assign(caps.size(), face[0]);
       if (!triangulate(second, face[split], ring, caps)) return false;
       cap_face.resize(caps.size(), face[split]);
-      if (const double angle = wedge_angle(v, ring[0]); angle > kWideWedge) {
+      if (const double angle = wedge_angle(v, ring[0]); angle > kWideWedge && !options_.may_branch) {
         const std::size_t first_caps = std::count(cap_face.begin(), cap_face.end(), face[0]);
         if (!clear_wide(v, ring[0], ring[split], angle, caps, first_caps)) return false;
         relabel(v, ring, caps, cap_face);
@@ -757,6 +757,7 @@ class Clearer {
 
   const Surface& surface_;
   TetComplex& complex_;
+  const BoundaryPointsOptions options_;
   const RunContext& context_;
   std::map<Triple, Index> label_;  // boundary triangle -> input face
   std::vector<Index> queue_;
@@ -772,12 +773,13 @@ class Clearer {
 
 BoundaryPointsResult clear_boundary_points(const Surface& surface, TetComplex& complex,
                                            const std::vector<std::array<Index, 3>>& boundary,
-                                           const std::vector<Index>& face, const RunContext& context) {
-  return Clearer(surface, complex, boundary, face, context).run();
+                                           const std::vector<Index>& face, const RunContext& context,
+                                           const BoundaryPointsOptions& options) {
+  return Clearer(surface, complex, boundary, face, options, context).run();
 }
 
 std::vector<Index> bring_home(const Surface& surface, TetComplex& complex, const RunContext& context) {
-  return Clearer(surface, complex, {}, {}, context).bring_home();
+  return Clearer(surface, complex, {}, {}, {}, context).bring_home();
 }
 
 }  // namespace overtet

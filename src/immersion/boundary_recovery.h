@@ -19,6 +19,12 @@
 
 namespace overtet {
 
+struct BoundaryPointsOptions {
+  // A point on an edge that more than one turn winds around may take that along: it moves inside by itself,
+  // and its edges become a branch line. Otherwise several points take its place, so that nothing branches.
+  bool may_branch = false;
+};
+
 struct BoundaryPointsResult {
   Index removed = 0;
   Index refined_edges = 0;        // edges halved to make room
@@ -29,7 +35,8 @@ struct BoundaryPointsResult {
 // boundary, face: the boundary triangles of the complex, outward, and the input face each lies on.
 BoundaryPointsResult clear_boundary_points(const Surface& surface, TetComplex& complex,
                                            const std::vector<std::array<Index, 3>>& boundary,
-                                           const std::vector<Index>& face, const RunContext& context);
+                                           const std::vector<Index>& face, const RunContext& context,
+                                           const BoundaryPointsOptions& options = {});
 
 // Moves the surface's vertices from where the complex has them, a hair away, to the surface's own positions,
 // bit by bit, with every tet exactly positive; neighbours inside make room. Returns those that could not be

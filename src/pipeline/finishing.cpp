@@ -53,7 +53,9 @@ TetMesh improved(const FinishingJob& job, const TetMesh& mesh) {
 
 Status check(const FinishingJob& job, const TetMesh& mesh) {
   return timed_stage("verify", job.records, job.context, [&](StageRecord& record) -> Status {
-    const VerifyResult v = verify(job.input, mesh, {}, job.context);
+    VerifyOptions options;
+    options.allow_branches = job.allow_branches;
+    const VerifyResult v = verify(job.input, mesh, options, job.context);
     if (!v.complete) return job.context.stop().value_or(Error{ErrorCode::interrupted, "Interrupted."});
     record.figures.emplace_back("tets", v.tets);
     if (!v.ok()) return Error{ErrorCode::unsolved, "The tet mesh that was found is wrong: " + v.summary()};

@@ -15,6 +15,7 @@ struct FinishingJob {
   double improve_degrees;  // MeshingOptions
   const RunContext& context;
   std::vector<StageRecord>& records;
+  bool allow_branches = false;  // VerifyOptions
 };
 
 // The mesh improved, in the input's space and checked: every face of the input is a boundary face, every

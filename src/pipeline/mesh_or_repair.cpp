@@ -1,12 +1,15 @@
 #include "src/pipeline/mesh_or_repair.h"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <utility>
 #include <vector>
 
+#include "overtet/verification.h"
 #include "src/pipeline/component_meshing.h"
 #include "src/pipeline/finishing.h"
+#include "src/pipeline/refinement.h"
 #include "src/pipeline/repair_route.h"
 #include "src/pipeline/surface_run.h"
 #include "src/pipeline/tuning.h"
@@ -22,6 +25,7 @@ double diagonal_of(const Surface& surface) {
 // Why a surface has no mesh as it is, and what repairs need to know of it.
 struct FirstFailure {
   Error error;
+  Diagnosis diagnosis;
   std::optional<Eigen::Vector3d> unglued;
   std::vector<SubSurface> parts;
 };
@@ -38,9 +42,16 @@ Result<std::optional<TetMesh>> mesh_as_it_is(const Surface& surface, const Meshi
   Result<TetMesh> mesh = usable ? run.mesh() : Result<TetMesh>(usable.error());
   report.certificate = run.certificate();
   if (mesh) return std::optional(std::move(mesh).value());
-  if (options.on_infeasible != OnInfeasible::repair || !repairable(mesh.error())) return mesh.error();
-  failure = {mesh.error(), run.unglued(), run.parts()};
+  if (options.on_infeasible == OnInfeasible::reject || !repairable(mesh.error())) return mesh.error();
+  failure = {mesh.error(), run.diagnosis(), run.unglued(), run.parts()};
   return std::optional<TetMesh>();
+}
+
+std::vector<std::array<Index, 2>> branch_edges_of(const Surface& surface, const TetMesh& mesh,
+                                                  const RunContext& context) {
+  VerifyOptions options;
+  options.allow_branches = true;
+  return verify(surface, mesh, options, context).branch_edges;
 }
 
 // Moves of the parts, put together to those of the whole.
@@ -63,8 +74,59 @@ class MovesOfParts {
   double sum_ = 0;
 };
 
-// Each part by itself, repaired where it has no mesh. Nothing is said of how they lie to each other, so none
-// is moved because of another one. Errors: of the first part that could not be repaired.
+// The refined surfaces of parts, put together.
+class RefinedParts {
+ public:
+  explicit RefinedParts(const Surface& whole) : whole_(whole), pieces_(static_cast<std::size_t>(whole.F.rows())) {
+    for (Index f = 0; f < whole.F.rows(); ++f) pieces_[f] = {{whole.F(f, 0), whole.F(f, 1), whole.F(f, 2)}};
+  }
+
+  // The numbers that the part's vertices, those added included, have in the whole.
+  std::vector<Index> add(const SubSurface& part, const std::optional<RefinedSurface>& refined) {
+    std::vector<Index> number = part.vertices;
+    if (!refined) return number;
+    const Surface& s = refined->surface;
+    while (static_cast<Eigen::Index>(number.size()) < s.V.rows()) {
+      added_.push_back(s.V.row(static_cast<Eigen::Index>(number.size())));
+      number.push_back(static_cast<Index>(whole_.V.rows() + std::ssize(added_)) - 1);
+    }
+    for (const Index f : refined->subdivided) {
+      out_.subdivided.push_back(part.faces[f]);
+      pieces_[part.faces[f]].clear();
+    }
+    for (Index f = 0; f < s.F.rows(); ++f)
+      if (std::binary_search(refined->subdivided.begin(), refined->subdivided.end(), refined->face[f]))
+        pieces_[part.faces[refined->face[f]]].push_back(
+            {number[s.F(f, 0)], number[s.F(f, 1)], number[s.F(f, 2)]});
+    return number;
+  }
+
+  RefinedSurface all() {
+    out_.surface.V.resize(whole_.V.rows() + std::ssize(added_), 3);
+    out_.surface.V.topRows(whole_.V.rows()) = whole_.V;
+    for (std::size_t i = 0; i < added_.size(); ++i)
+      out_.surface.V.row(whole_.V.rows() + static_cast<Eigen::Index>(i)) = added_[i];
+    std::sort(out_.subdivided.begin(), out_.subdivided.end());
+    std::vector<std::array<Index, 3>> faces;
+    for (std::size_t f = 0; f < pieces_.size(); ++f) {
+      faces.insert(faces.end(), pieces_[f].begin(), pieces_[f].end());
+      out_.face.resize(faces.size(), static_cast<Index>(f));
+    }
+    out_.surface.F.resize(std::ssize(faces), 3);
+    for (Eigen::Index f = 0; f < out_.surface.F.rows(); ++f)
+      for (int k = 0; k < 3; ++k) out_.surface.F(f, k) = faces[static_cast<std::size_t>(f)][k];
+    return std::move(out_);
+  }
+
+ private:
+  const Surface& whole_;
+  std::vector<std::vector<std::array<Index, 3>>> pieces_;  // of each face
+  std::vector<Eigen::RowVector3d> added_;
+  RefinedSurface out_;
+};
+
+// Each part by itself, repaired or refined where it has no mesh. Nothing is said of how they lie to each other,
+// so none is changed because of another one. Errors: of the first part that could not be helped.
 Result<MeshedSurface> repair_by_parts(const Surface& surface, const std::vector<SubSurface>& parts,
                                       const MeshingOptions& options, const RunContext& context,
                                       std::vector<StageRecord>& records) {
@@ -75,25 +137,37 @@ Result<MeshedSurface> repair_by_parts(const Surface& surface, const std::vector<
   Surface repaired = surface;
   std::vector<PartMesh> meshes;
   MovesOfParts moves;
+  RefinedParts refined(surface);
   for (const SubSurface& part : parts) {
     const double size = diagonal_of(part.surface) / diagonal;
     own.max_repair_move = std::min(1.0, options.max_repair_move / size);
     Report report;
     Result<MeshedSurface> r = mesh_or_repair(part.surface, own, context, report);
-    if (!r || r.value().moves)
+    const bool as_it_is = r && !r.value().moves && !r.value().refined && r.value().branch_edges.empty();
+    if (!as_it_is)
       std::move(report.stages.begin(), report.stages.end(), std::back_inserter(records));
     if (!r) return r;
     if (r.value().moves) moves.add(part, *r.value().moves, size);
     TetMesh& mesh = r.value().mesh;
     for (std::size_t v = 0; v < part.vertices.size(); ++v)
       repaired.V.row(part.vertices[v]) = mesh.V.row(static_cast<Eigen::Index>(v));
-    meshes.push_back({part.vertices, std::move(mesh)});
+    meshes.push_back({refined.add(part, r.value().refined), std::move(mesh)});
   }
+  MeshedSurface out;
+  if (RefinedSurface all = refined.all(); !all.subdivided.empty())
+    repaired = out.refined.emplace(std::move(all)).surface;
+  if (options.on_infeasible == OnInfeasible::repair) out.moves = moves.all();
   // Each has been improved.
-  const FinishingJob job{.input = repaired, .improve_degrees = 0, .context = context, .records = records};
+  const FinishingJob job{.input = repaired,
+                         .improve_degrees = 0,
+                         .context = context,
+                         .records = records,
+                         .allow_branches = options.on_infeasible == OnInfeasible::branch};
   Result<TetMesh> whole = finish_given(job, united(repaired.V, meshes));
   if (!whole) return whole.error();
-  return MeshedSurface{std::move(whole).value(), moves.all()};
+  out.mesh = std::move(whole).value();
+  if (job.allow_branches) out.branch_edges = branch_edges_of(surface, out.mesh, context);
+  return out;
 }
 
 Result<MeshedSurface> repair_whole(const Surface& surface, const MeshingOptions& options,
@@ -109,7 +183,23 @@ Result<MeshedSurface> repair_whole(const Surface& surface, const MeshingOptions&
   Result<TetMesh> mesh = finish_given(
       {r.surface, good_already ? 0 : options.improve_degrees, context, records}, std::move(r.mesh));
   if (!mesh) return mesh.error();
-  return MeshedSurface{std::move(mesh).value(), std::move(r.moves)};
+  return MeshedSurface{std::move(mesh).value(), std::move(r.moves), {}, {}};
+}
+
+Result<MeshedSurface> refine_whole(const Surface& surface, const MeshingOptions& options,
+                                   const RunContext& context, std::vector<StageRecord>& records,
+                                   const FirstFailure& first) {
+  if (!refinable(first.error, first.diagnosis)) {
+    Error e = first.error;
+    if (e.code != ErrorCode::bad_input) e.message += " Neither subdivided faces nor branch lines change that.";
+    return e;
+  }
+  Result<RefinedMesh> refined = mesh_refined(surface, first.diagnosis, first.error, options, context, records);
+  if (!refined) return refined.error();
+  RefinedMesh& r = refined.value();
+  MeshedSurface out{std::move(r.mesh), {}, {}, std::move(r.branch_edges)};
+  if (options.on_infeasible == OnInfeasible::refine) out.refined = std::move(r.shape);
+  return out;
 }
 
 }  // namespace
@@ -119,13 +209,15 @@ Result<MeshedSurface> mesh_or_repair(const Surface& surface, const MeshingOption
   FirstFailure first;
   Result<std::optional<TetMesh>> mesh = mesh_as_it_is(surface, options, context, report, first);
   if (!mesh) return mesh.error();
-  if (mesh.value()) return MeshedSurface{std::move(*mesh.value()), std::nullopt};
+  if (mesh.value()) return MeshedSurface{std::move(*mesh.value()), {}, {}, {}};
   if (!first.parts.empty()) {
     Result<MeshedSurface> parts = repair_by_parts(surface, first.parts, options, context, report.stages);
     if (parts || !repairable(parts.error())) return parts;
     context.note(LogLevel::info,
-                 "Repair: the parts could not be repaired one by one: " + parts.error().message);
+                 "The parts could not be changed one by one: " + parts.error().message);
   }
+  if (options.on_infeasible != OnInfeasible::repair)
+    return refine_whole(surface, options, context, report.stages, first);
   return repair_whole(surface, options, context, report.stages, first);
 }
 

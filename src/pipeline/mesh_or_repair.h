@@ -1,8 +1,10 @@
-// A surface's mesh, or, where there is none and repairing is asked for, that of a repaired surface: as one,
-// or where it has parts that repairs can tell apart, part by part first.
+// A surface's mesh, or, where there is none and that is asked for, that of a repaired or a refined surface, or
+// one with branch lines: as one, or where it has parts that these can tell apart, part by part first.
 #pragma once
 
+#include <array>
 #include <optional>
+#include <vector>
 
 #include "overtet/result.h"
 #include "overtet/run_context.h"
@@ -13,8 +15,10 @@
 namespace overtet {
 
 struct MeshedSurface {
-  TetMesh mesh;                // in the input's space, improved and checked
-  std::optional<Moves> moves;  // of a repaired surface
+  TetMesh mesh;                           // in the input's space, improved and checked
+  std::optional<Moves> moves;             // of a repaired surface
+  std::optional<RefinedSurface> refined;  // what it is a mesh of, where faces were subdivided
+  std::vector<std::array<Index, 2>> branch_edges;  // sorted
 };
 
 // Into the report goes what is found of the surface as it was read, and the stages' records as they come;

@@ -19,10 +19,22 @@ double seconds_since(RunContext::Clock::time_point start) {
 
 void hand_over(MeshedSurface meshed, PipelineResult& result) {
   Report& report = result.report;
-  report.status = meshed.moves ? RunStatus::repaired : RunStatus::exact;
+  report.status = meshed.moves                  ? RunStatus::repaired
+                  : meshed.refined               ? RunStatus::refined
+                  : !meshed.branch_edges.empty() ? RunStatus::branched
+                                                 : RunStatus::exact;
   parallel_invoke([&] { report.quality = tet_quality(meshed.mesh); },
                   [&] { report.result_hash = hash_of(meshed.mesh); });
   result.mesh = std::move(meshed.mesh);
+  report.branch_edges = std::move(meshed.branch_edges);
+  if (meshed.refined) {
+    report.subdivided_faces = meshed.refined->subdivided;
+    report.added_vertices =
+        meshed.refined->surface.V.rows() - static_cast<Eigen::Index>(report.input.vertices);
+    report.face_of_piece = meshed.refined->face;
+    result.refined = std::move(*meshed.refined);
+  }
+  // The witness says why the surface as it was read has none, which is still so.
   if (!meshed.moves) return;
   const Moves& moves = *meshed.moves;
   report.certificate.reset();
@@ -45,6 +57,11 @@ Status MeshingOptions::validate() const {
     return Error{ErrorCode::usage, "The angle for the quality pass must lie between 0 and 40 degrees."};
   if (!(max_repair_move > 0 && max_repair_move <= 1))
     return Error{ErrorCode::usage, "The largest move must be a part of the diagonal between 0 and 1."};
+  const bool refines = on_infeasible == OnInfeasible::refine || on_infeasible == OnInfeasible::branch;
+  if (refines && !(save_stages.empty() && resume.empty()))
+    return Error{ErrorCode::usage,
+                 "Stages are saved and resumed of the surface as it was read only: they do not go together with "
+                 "refining it or with branch lines."};
   return success();
 }
 

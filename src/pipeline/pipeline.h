@@ -25,10 +25,11 @@
 namespace overtet {
 
 struct PipelineResult {
-  TetMesh mesh;  // only when error.code is none: ok()
+  TetMesh mesh;  // only when ok()
   Report report;
   Error error;  // why there is no mesh
-  bool ok() const { return report.status == RunStatus::exact || report.status == RunStatus::repaired; }
+  RefinedSurface refined;  // of status `refined`
+  bool ok() const { return error.message.empty(); }
   int exit_code() const { return ok() ? 0 : static_cast<int>(error.code); }
 };
 

@@ -86,7 +86,7 @@ std::optional<Error> SurfaceRun::final_reason(const Error& e) {
     if (pinched->place) unglued_ = point_at(*pinched->place);
     return pinched;
   }
-  if (setup_.origin == SurfaceRunSetup::Origin::read)
+  if (setup_.origin != SurfaceRunSetup::Origin::repaired)
     if (Status s = look_closer(); !s) return s.error();
   if (e.reason != ErrorReason::exhausted) return std::nullopt;
   return Error{ErrorCode::unsolved,
@@ -108,7 +108,7 @@ Result<TetMesh> SurfaceRun::try_strategies() {
                  resume_ ? &*resume_ : nullptr,
                  std::nullopt};
   const bool first_only =
-      setup_.origin == SurfaceRunSetup::Origin::repaired && options_.preset == Preset::standard;
+      setup_.origin != SurfaceRunSetup::Origin::read && options_.preset == Preset::standard;
   std::string told;
   ErrorCode code = ErrorCode::unsolved;
   for (const Strategy& strategy : strategies()) {

@@ -19,8 +19,10 @@ namespace overtet {
 struct SurfaceRunSetup {
   enum class Origin {
     read,     // by the user
-    repaired  // and repaired again where no mesh is found: no search for a proof, and no flows after a
-              // failure
+    repaired,  // and repaired again where no mesh is found: no search for a proof, and no flows after a
+               // failure
+    refined    // and refined further where no mesh is found: a search for a proof, which says where, but no
+               // flows after a failure
   };
   Origin origin = Origin::read;
   double patience = 1;  // with TetGen; src/cdt/tetgen.h
@@ -43,6 +45,7 @@ class SurfaceRun {
   // What is known of the surface so far, also after a failure.
   const InputRecord& input_record() const { return record_; }
   const std::optional<Certificate>& certificate() const { return found_.diagnosis.certificate; }
+  const Diagnosis& diagnosis() const { return found_.diagnosis; }
   // Where the sheets could not be glued, in the input's space.
   const std::optional<Eigen::Vector3d>& unglued() const { return unglued_; }
   std::vector<SubSurface> parts() const { return parts_of(input_, found_.diagnosis); }

@@ -22,6 +22,10 @@ const char* name_of(RunStatus status) {
       return "exact";
     case RunStatus::repaired:
       return "repaired";
+    case RunStatus::refined:
+      return "refined";
+    case RunStatus::branched:
+      return "branched";
     case RunStatus::infeasible:
       return "infeasible";
     case RunStatus::unsolved:
@@ -77,6 +81,9 @@ std::string to_json(const Report& r) {
                 {"max_relative", r.max_relative_move},
                 {"mean_relative", r.mean_relative_move},
                 {"ids", r.moved_ids}};
+  if (r.status == RunStatus::refined)
+    j["refined"] = {{"subdivided", r.subdivided_faces}, {"faces", r.face_of_piece}};
+  if (r.status == RunStatus::branched) j["branch_edges"] = r.branch_edges;
   j["stages"] = Json::array();
   for (const StageRecord& s : r.stages) {
     Json stage = {{"name", s.name},

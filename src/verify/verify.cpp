@@ -235,7 +235,8 @@ class Star {
 // What the stars of a range of vertices show.
 struct Stars {
   std::vector<Triple> boundary;  // outward, as they stand in their tet
-  Finding crowded{3}, same_side{3}, bad_link, turned{2};
+  Finding crowded{3}, same_side{3}, bad_link, turned{2}, unturned{2};
+  std::vector<std::array<Index, 2>> branched;  // interior edges with more than one turn
 
   void read(const TetMatrix& T, const double* x, bool positive, Index v, const Index* tets, Index count,
             Star& star, std::vector<char>& on_boundary) {
@@ -256,6 +257,8 @@ struct Stars {
     if (positive)
       star.turns(x, [&](Index other, int turns) {
         if (turns != 1) turned.add(v, other);
+        if (turns < 1) unturned.add(v, other);
+        if (turns > 1) branched.push_back({v, other});
       });
   }
 
@@ -265,6 +268,8 @@ struct Stars {
     same_side.append(next.same_side);
     bad_link.append(next.bad_link);
     turned.append(next.turned);
+    unturned.append(next.unturned);
+    branched.insert(branched.end(), next.branched.begin(), next.branched.end());
   }
 
  private:
@@ -503,7 +508,8 @@ VerifyResult verify(const Surface& surface, const TetMesh& mesh, const VerifyOpt
   report(r, Rule::R5, stars.crowded, "faces are shared by more than two tets");
   report(r, Rule::R5, stars.same_side, "shared faces have both tets on the same side");
   report(r, Rule::R5, stars.bad_link, "vertices have a link that is neither a disc nor a sphere");
-  report(r, Rule::R6, stars.turned,
+  if (options.allow_branches) r.branch_edges = std::move(stars.branched);
+  report(r, Rule::R6, options.allow_branches ? stars.unturned : stars.turned,
          "interior edges are surrounded by tets that do not make exactly one turn");
   return r;
 }
