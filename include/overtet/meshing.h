@@ -4,9 +4,9 @@
 // the surface's vertices come first, in their order and unmoved to the last bit; the boundary faces are the
 // surface's faces, with its orientation; every tet is positive; the tets form a 3-manifold with boundary, and
 // around every interior edge they make exactly one turn. Tets overlap in space where the surface does. With
-// OnInfeasible::repair all of this holds for the surface with the vertices in `moved` at their new places, with
-// OnInfeasible::refine for the surface `refined`; with OnInfeasible::branch all but the one turn around the
-// edges in `branch_edges`, which are inside.
+// OnInfeasible::repair all of this holds for the surface with the vertices in `moved` at their new places,
+// with OnInfeasible::refine for the surface `refined`; with OnInfeasible::branch all but the one turn around
+// the edges in `branch_edges`, which are inside.
 //
 // Same surface and options: same mesh, to the byte, on any number of threads, as long as no deadline cuts the
 // stage short (which is logged). Source: Sacht et al., "Consistent Volumetric Discretizations Inside
@@ -64,7 +64,7 @@ struct Meshing {
   double max_relative_move = 0;  // the largest move over the diagonal of the bounding box
   RefinedSurface refined;        // of OnInfeasible::refine, where faces were subdivided; else empty
   std::vector<std::array<Index, 2>> branch_edges;  // of OnInfeasible::branch: vertices of the mesh, a < b
-  std::string hash;              // of the mesh's vertices and tets: 16 hexadecimal digits
+  std::string hash;                                // of the mesh's vertices and tets: 16 hexadecimal digits
 };
 
 // report: receives what the run did, even if there is no mesh. The caller fills in its `options`,

@@ -17,7 +17,18 @@
 
 namespace overtet {
 
-enum class RunStatus { exact, repaired, refined, branched, infeasible, unsolved, bad_input, limit, interrupted, failed };
+enum class RunStatus {
+  exact,
+  repaired,
+  refined,
+  branched,
+  infeasible,
+  unsolved,
+  bad_input,
+  limit,
+  interrupted,
+  failed
+};
 const char* name_of(RunStatus status);  // as in the report, for instance "bad-input"
 RunStatus status_of(ErrorCode code);    // of a run that ended with such an error
 

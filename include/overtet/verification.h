@@ -61,9 +61,9 @@ struct VerifyResult {
   std::vector<VerifyFailure> failures;  // at most one of each kind, in the order of the rules
   std::int64_t surface_vertices = 0, surface_faces = 0, vertices = 0, tets = 0, boundary_faces = 0;
   std::int64_t moved_vertices = 0;
-  double max_move = 0;   // relative to the diagonal
+  double max_move = 0;                             // relative to the diagonal
   std::vector<std::array<Index, 2>> branch_edges;  // with allow_branches: a < b, sorted
-  bool complete = true;  // false: stopped by the context; the answer is unknown
+  bool complete = true;                            // false: stopped by the context; the answer is unknown
 
   bool ok() const { return complete && failures.empty(); }
   bool fails(Rule rule) const;

@@ -53,10 +53,11 @@ CLI::App* add_mesh(CLI::App& app, MeshCommand& mesh) {
       ->check(CLI::IsMember({"medit", "msh22", "msh41", "vtu", "tetgen"}));
   command->add_option("--report", mesh.report, "Write a JSON report to this file, even if no mesh is made");
   command
-      ->add_option("--on-infeasible", mesh.on_infeasible,
-                   "If no mesh exists: reject the surface; repair it by moving a few vertices; refine it: the "
-                   "same shape, a few faces subdivided; or branch: the tets make two turns around some edges "
-                   "inside")
+      ->add_option(
+          "--on-infeasible", mesh.on_infeasible,
+          "If no mesh exists: reject the surface; repair it by moving a few vertices; refine it: the "
+          "same shape, a few faces subdivided; or branch: the tets make two turns around some edges "
+          "inside")
       ->check(CLI::IsMember({"reject", "repair", "refine", "branch"}))
       ->capture_default_str();
   command
@@ -70,8 +71,9 @@ CLI::App* add_mesh(CLI::App& app, MeshCommand& mesh) {
                    "Smallest dihedral angle that the quality pass aims at, in degrees; 0: no quality pass")
       ->check(CLI::Range(0.0, 40.0))
       ->capture_default_str();
-  command->add_option("--save-surface", mesh.save_surface,
-                      "Write the surface that the mesh is of to this file, repaired or refined: .off, .obj or .ply");
+  command->add_option(
+      "--save-surface", mesh.save_surface,
+      "Write the surface that the mesh is of to this file, repaired or refined: .off, .obj or .ply");
   command->add_option("--save-stages", mesh.save_stages, "Save the intermediate states in this folder");
   command->add_option("--resume", mesh.resume,
                       "Continue from the states that --save-stages left in this folder");

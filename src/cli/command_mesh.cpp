@@ -61,7 +61,8 @@ std::string what_may_help(const MeshCommand& c, const Error& e) {
   if (forbids_branch_lines(*e.certificate))
     return repair + " Subdividing faces (refine) or branch lines (branch) would not help.";
   return repair +
-         " Without moving any, refine (a few faces subdivided) or branch (two turns around some edges inside) may do: "
+         " Without moving any, refine (a few faces subdivided) or branch (two turns around some edges "
+         "inside) may do: "
          "that is not ruled out, and known when it has been tried.";
 }
 
@@ -69,8 +70,8 @@ std::string what_was_changed(const MeshCommand& c, const Report& r) {
   if (r.status == RunStatus::refined)
     return " The surface was refined: " + counted(r.subdivided_faces.size(), "face") + " of " +
            std::to_string(r.input.faces) + " subdivided, " +
-           counted(static_cast<std::size_t>(r.added_vertices), "vertex", "vertices") + " added; its shape is the same" +
-           (c.save_surface.empty() ? " (--save-surface writes it)." : ".");
+           counted(static_cast<std::size_t>(r.added_vertices), "vertex", "vertices") +
+           " added; its shape is the same" + (c.save_surface.empty() ? " (--save-surface writes it)." : ".");
   if (r.status == RunStatus::branched)
     return " The surface is as it was; around " + counted(r.branch_edges.size(), "interior edge") +
            " the tets make two turns or more (the report lists them; overtet verify --allow-branches).";
@@ -144,7 +145,8 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
       command.format.empty() ? tet_format_of(command.output) : tet_format_named(command.format);
   if (!format) return fail(terminal, format.error());
   if (!command.save_surface.empty())
-    if (const auto named = surface_format_of(command.save_surface); !named) return fail(terminal, named.error());
+    if (const auto named = surface_format_of(command.save_surface); !named)
+      return fail(terminal, named.error());
   if (same_file(command.input, command.output) || same_file(command.input, command.report) ||
       same_file(command.input, command.save_surface))
     return fail(terminal, {ErrorCode::usage,

@@ -39,7 +39,9 @@ struct InFace {
     return out;
   }
   static Place place(const FacePoint& p) {
-    const auto share = [&](int k) { return static_cast<double>(p.weight[k]) / static_cast<double>(kFaceGrid); };
+    const auto share = [&](int k) {
+      return static_cast<double>(p.weight[k]) / static_cast<double>(kFaceGrid);
+    };
     return {share(0), share(1), share(2)};
   }
 };
@@ -191,8 +193,7 @@ class NetworkMaker {
       const FacePoint hub = middle(f, part, t);
       for (int k = 0; k < 3; ++k)
         at = at + exact::Rational(hub.weight[k], kFaceGrid) * exact::vec(rays_.corner(f, k));
-      const exact::RayCount ray =
-          rays_.count(exact::Point(at), exact::Point(rays_.normal(f)), nullptr, {f});
+      const exact::RayCount ray = rays_.count(exact::Point(at), exact::Point(rays_.normal(f)), nullptr, {f});
       if (ray.status == exact::RayStatus::counted) return ray.winding;
     }
     return std::nullopt;
@@ -223,7 +224,8 @@ class NetworkMaker {
     const exact::Rational whole = exact::dot(n, n);
     InFace::Place out{};
     for (int k = 0; k < 3; ++k) {
-      const exact::Vec b = exact::vec(rays_.corner(f, (k + 1) % 3)), c = exact::vec(rays_.corner(f, (k + 2) % 3));
+      const exact::Vec b = exact::vec(rays_.corner(f, (k + 1) % 3)),
+                       c = exact::vec(rays_.corner(f, (k + 2) % 3));
       out[k] = exact::approximate(exact::Rational(exact::dot(exact::cross(b - p, c - p), n) / whole));
     }
     return out;
@@ -260,10 +262,13 @@ class NetworkMaker {
   }
 
   Eigen::Vector3d space(Index node) const {
-    return node < vertices_ ? Eigen::Vector3d(surface_.V.row(node))
-                            : place_in_space(surface_, out_.points[static_cast<std::size_t>(node - vertices_)]);
+    return node < vertices_
+               ? Eigen::Vector3d(surface_.V.row(node))
+               : place_in_space(surface_, out_.points[static_cast<std::size_t>(node - vertices_)]);
   }
-  void link(Index a, Index b, Index face) { out_.links.push_back({a, b, face, (space(a) - space(b)).norm()}); }
+  void link(Index a, Index b, Index face) {
+    out_.links.push_back({a, b, face, (space(a) - space(b)).norm()});
+  }
 
   // The middle of a piece of a pierced edge.
   Index gate(Index h, std::size_t piece) {
@@ -459,7 +464,8 @@ class WaysThroughNetwork {
   std::vector<NetworkLink> way_from(Index group, const std::map<Index, int>& odd_groups) {
     std::vector<double> best(links_.size(), HUGE_VAL);
     std::vector<std::ptrdiff_t> by(links_.size(), -1);
-    std::priority_queue<std::pair<double, Index>, std::vector<std::pair<double, Index>>, std::greater<>> queue;
+    std::priority_queue<std::pair<double, Index>, std::vector<std::pair<double, Index>>, std::greater<>>
+        queue;
     for (Index v = 0; v < static_cast<Index>(links_.size()); ++v)
       if (group_.root(v) == group) best[v] = 0, queue.emplace(0, v);
     while (!queue.empty()) {
@@ -514,7 +520,7 @@ class WaysThroughNetwork {
 }  // namespace
 
 std::vector<NetworkLink> links_between(const Surface& surface, const SurfaceTopology& topology,
-                                const CoveredNetwork& network, const std::vector<Index>& odd) {
+                                       const CoveredNetwork& network, const std::vector<Index>& odd) {
   return WaysThroughNetwork(surface, topology, network).join(odd);
 }
 

@@ -5,10 +5,10 @@
 // between two curves is narrower than the faces, no edge runs in it, and hinges at its ends cannot be joined;
 // with edges across the faces they can. B0 is 2 w at a point of a face, so a chain of wound edges may pass.
 //
-// The network: each part of a cut face (between the curves, exactly: face_cuts.h) is cut into triangles. Links
-// lead from the middle of one to the next, to corners that are vertices, and to the middles of the pieces of
-// the surface's edges. Places are rounded to the grid of src/mesh/subdivision.h; who subdivides the surface
-// diagnoses it anew.
+// The network: each part of a cut face (between the curves, exactly: face_cuts.h) is cut into triangles.
+// Links lead from the middle of one to the next, to corners that are vertices, and to the middles of the
+// pieces of the surface's edges. Places are rounded to the grid of src/mesh/subdivision.h; who subdivides the
+// surface diagnoses it anew.
 #pragma once
 
 #include <array>
@@ -29,8 +29,8 @@ class IntersectionGraph;
 
 struct CoveredNetwork {
   struct Link {
-    Index a, b;        // nodes
-    Index face = -1;   // that it runs in, or -1: along an edge of the surface
+    Index a, b;       // nodes
+    Index face = -1;  // that it runs in, or -1: along an edge of the surface
     double length = 0;
   };
   std::vector<FacePoint> points;  // the nodes after the surface's vertices
@@ -53,11 +53,10 @@ Result<CoveredNetwork> find_covered_network(const Surface& surface, const Surfac
                                             const RunContext& context);
 
 // Links that lead from each of the groups of vertices that covered edges join, and that has an odd number of
-// `odd` ones, to another one, so that none is left; few faces, and short. Those in faces only. Empty where the
-// network does not join them.
+// `odd` ones, to another one, so that none is left; few faces, and short. Those in faces only. Empty where
+// the network does not join them.
 std::vector<CoveredNetwork::Link> links_between(const Surface& surface, const SurfaceTopology& topology,
-                                                const CoveredNetwork& network,
-                                                const std::vector<Index>& odd);
+                                                const CoveredNetwork& network, const std::vector<Index>& odd);
 
 // The points and edges that make links edges of a surface.
 std::pair<std::vector<FacePoint>, std::vector<FaceEdge>> additions(

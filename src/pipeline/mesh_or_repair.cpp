@@ -77,7 +77,8 @@ class MovesOfParts {
 // The refined surfaces of parts, put together.
 class RefinedParts {
  public:
-  explicit RefinedParts(const Surface& whole) : whole_(whole), pieces_(static_cast<std::size_t>(whole.F.rows())) {
+  explicit RefinedParts(const Surface& whole)
+      : whole_(whole), pieces_(static_cast<std::size_t>(whole.F.rows())) {
     for (Index f = 0; f < whole.F.rows(); ++f) pieces_[f] = {{whole.F(f, 0), whole.F(f, 1), whole.F(f, 2)}};
   }
 
@@ -125,8 +126,8 @@ class RefinedParts {
   RefinedSurface out_;
 };
 
-// Each part by itself, repaired or refined where it has no mesh. Nothing is said of how they lie to each other,
-// so none is changed because of another one. Errors: of the first part that could not be helped.
+// Each part by itself, repaired or refined where it has no mesh. Nothing is said of how they lie to each
+// other, so none is changed because of another one. Errors: of the first part that could not be helped.
 Result<MeshedSurface> repair_by_parts(const Surface& surface, const std::vector<SubSurface>& parts,
                                       const MeshingOptions& options, const RunContext& context,
                                       std::vector<StageRecord>& records) {
@@ -144,8 +145,7 @@ Result<MeshedSurface> repair_by_parts(const Surface& surface, const std::vector<
     Report report;
     Result<MeshedSurface> r = mesh_or_repair(part.surface, own, context, report);
     const bool as_it_is = r && !r.value().moves && !r.value().refined && r.value().branch_edges.empty();
-    if (!as_it_is)
-      std::move(report.stages.begin(), report.stages.end(), std::back_inserter(records));
+    if (!as_it_is) std::move(report.stages.begin(), report.stages.end(), std::back_inserter(records));
     if (!r) return r;
     if (r.value().moves) moves.add(part, *r.value().moves, size);
     TetMesh& mesh = r.value().mesh;
@@ -191,10 +191,12 @@ Result<MeshedSurface> refine_whole(const Surface& surface, const MeshingOptions&
                                    const FirstFailure& first) {
   if (!refinable(first.error, first.diagnosis)) {
     Error e = first.error;
-    if (e.code != ErrorCode::bad_input) e.message += " Neither subdivided faces nor branch lines change that.";
+    if (e.code != ErrorCode::bad_input)
+      e.message += " Neither subdivided faces nor branch lines change that.";
     return e;
   }
-  Result<RefinedMesh> refined = mesh_refined(surface, first.diagnosis, first.error, options, context, records);
+  Result<RefinedMesh> refined =
+      mesh_refined(surface, first.diagnosis, first.error, options, context, records);
   if (!refined) return refined.error();
   RefinedMesh& r = refined.value();
   MeshedSurface out{std::move(r.mesh), {}, {}, std::move(r.branch_edges)};
@@ -213,8 +215,7 @@ Result<MeshedSurface> mesh_or_repair(const Surface& surface, const MeshingOption
   if (!first.parts.empty()) {
     Result<MeshedSurface> parts = repair_by_parts(surface, first.parts, options, context, report.stages);
     if (parts || !repairable(parts.error())) return parts;
-    context.note(LogLevel::info,
-                 "The parts could not be changed one by one: " + parts.error().message);
+    context.note(LogLevel::info, "The parts could not be changed one by one: " + parts.error().message);
   }
   if (options.on_infeasible != OnInfeasible::repair)
     return refine_whole(surface, options, context, report.stages, first);

@@ -1,5 +1,5 @@
-// A surface's mesh, or, where there is none and that is asked for, that of a repaired or a refined surface, or
-// one with branch lines: as one, or where it has parts that these can tell apart, part by part first.
+// A surface's mesh, or, where there is none and that is asked for, that of a repaired or a refined surface,
+// or one with branch lines: as one, or where it has parts that these can tell apart, part by part first.
 #pragma once
 
 #include <array>
@@ -15,9 +15,9 @@
 namespace overtet {
 
 struct MeshedSurface {
-  TetMesh mesh;                           // in the input's space, improved and checked
-  std::optional<Moves> moves;             // of a repaired surface
-  std::optional<RefinedSurface> refined;  // what it is a mesh of, where faces were subdivided
+  TetMesh mesh;                                    // in the input's space, improved and checked
+  std::optional<Moves> moves;                      // of a repaired surface
+  std::optional<RefinedSurface> refined;           // what it is a mesh of, where faces were subdivided
   std::vector<std::array<Index, 2>> branch_edges;  // sorted
 };
 

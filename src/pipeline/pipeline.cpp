@@ -19,7 +19,7 @@ double seconds_since(RunContext::Clock::time_point start) {
 
 void hand_over(MeshedSurface meshed, PipelineResult& result) {
   Report& report = result.report;
-  report.status = meshed.moves                  ? RunStatus::repaired
+  report.status = meshed.moves                   ? RunStatus::repaired
                   : meshed.refined               ? RunStatus::refined
                   : !meshed.branch_edges.empty() ? RunStatus::branched
                                                  : RunStatus::exact;
@@ -59,9 +59,10 @@ Status MeshingOptions::validate() const {
     return Error{ErrorCode::usage, "The largest move must be a part of the diagonal between 0 and 1."};
   const bool refines = on_infeasible == OnInfeasible::refine || on_infeasible == OnInfeasible::branch;
   if (refines && !(save_stages.empty() && resume.empty()))
-    return Error{ErrorCode::usage,
-                 "Stages are saved and resumed of the surface as it was read only: they do not go together with "
-                 "refining it or with branch lines."};
+    return Error{
+        ErrorCode::usage,
+        "Stages are saved and resumed of the surface as it was read only: they do not go together with "
+        "refining it or with branch lines."};
   return success();
 }
 

@@ -27,7 +27,7 @@ namespace overtet {
 struct PipelineResult {
   TetMesh mesh;  // only when ok()
   Report report;
-  Error error;  // why there is no mesh
+  Error error;             // why there is no mesh
   RefinedSurface refined;  // of status `refined`
   bool ok() const { return error.message.empty(); }
   int exit_code() const { return ok() ? 0 : static_cast<int>(error.code); }

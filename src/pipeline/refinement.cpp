@@ -6,8 +6,8 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <utility>
 #include <tuple>
+#include <utility>
 #include <variant>
 
 #include "overtet/verification.h"
@@ -174,11 +174,11 @@ Result<MeshedSubdivision> find_subdivision(const Surface& surface, const Diagnos
                                            const Error& why, const MeshingOptions& options,
                                            const RunContext& context, std::vector<StageRecord>& records) {
   std::vector<StageRecord> own;
-  Result<MeshedSubdivision> found = timed_stage(
-      "subdivision", records, context, [&](StageRecord& record) -> Result<MeshedSubdivision> {
+  Result<MeshedSubdivision> found =
+      timed_stage("subdivision", records, context, [&](StageRecord& record) -> Result<MeshedSubdivision> {
         const OrdinarySize sized(surface, *diagnosis.bvh);
-        Result<CoveredNetwork> network = find_covered_network(
-            sized.surface(), diagnosis.topology.topology, sized.bvh(), *diagnosis.graph, context);
+        Result<CoveredNetwork> network = find_covered_network(sized.surface(), diagnosis.topology.topology,
+                                                              sized.bvh(), *diagnosis.graph, context);
         if (!network) return network.error();
         if (!network.value().problem.empty())
           return not_found(why, "Subdividing faces could not be tried: " + network.value().problem + ".");

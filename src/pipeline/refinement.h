@@ -2,8 +2,8 @@
 // same surface with a few faces subdivided, or of the surface as it is, with branch lines inside.
 //
 //  1. Wound edges need edges that are covered all along. Where there are none, faces are subdivided along
-//     ways that are (src/covering/covered_network.h): first between the hinges that no edges pair; then, where
-//     that is not enough, all such ways around what forbids the mesh, in more and more rings.
+//     ways that are (src/covering/covered_network.h): first between the hinges that no edges pair; then,
+//     where that is not enough, all such ways around what forbids the mesh, in more and more rings.
 //  2. The subdivided surface is meshed as ever, hinges, proofs and all.
 //  3. Added vertices that no wound edge needs leave the surface again (src/immersion/boundary_recovery.h).
 //     What is left is `refine`'s answer.
@@ -24,8 +24,8 @@
 namespace overtet {
 
 struct RefinedMesh {
-  RefinedSurface shape;  // of `refine`; of `branch` the input itself
-  TetMesh mesh;          // in the input's space, improved and checked
+  RefinedSurface shape;                            // of `refine`; of `branch` the input itself
+  TetMesh mesh;                                    // in the input's space, improved and checked
   std::vector<std::array<Index, 2>> branch_edges;  // of `branch`, sorted
 };
 

@@ -18,7 +18,7 @@ namespace overtet {
 
 struct SurfaceRunSetup {
   enum class Origin {
-    read,     // by the user
+    read,      // by the user
     repaired,  // and repaired again where no mesh is found: no search for a proof, and no flows after a
                // failure
     refined    // and refined further where no mesh is found: a search for a proof, which says where, but no
