@@ -423,10 +423,8 @@ namespace {
 // Shortest ways through the network.
 class WaysThroughNetwork {
  public:
-  WaysThroughNetwork(const Surface& surface, const SurfaceTopology& topology, const CoveredNetwork& network)
-      : surface_(surface),
-        topology_(topology),
-        network_(network),
+  WaysThroughNetwork(const Surface& surface, const CoveredNetwork& network)
+      : network_(network),
         vertices_(static_cast<Index>(surface.V.rows())),
         links_(static_cast<std::size_t>(surface.V.rows()) + network.points.size()),
         group_(links_.size()) {
@@ -472,7 +470,7 @@ class WaysThroughNetwork {
       const auto [d, v] = queue.top();
       queue.pop();
       if (d > best[v]) continue;
-      if (const Index g = group_.root(v); g != group && odd_groups.count(g)) return pulled_tight(v, by);
+      if (const Index g = group_.root(v); g != group && odd_groups.count(g)) return way_to(v, by);
       for (const std::size_t i : links_[v]) {
         const NetworkLink& l = network_.links[i];
         const Index u = l.a == v ? l.b : l.a;
@@ -485,8 +483,7 @@ class WaysThroughNetwork {
     return {};
   }
 
-  // The way to v, without nodes that it can do without.
-  std::vector<NetworkLink> pulled_tight(Index v, const std::vector<std::ptrdiff_t>& by) const {
+  std::vector<NetworkLink> way_to(Index v, const std::vector<std::ptrdiff_t>& by) const {
     std::vector<NetworkLink> way;  // each from a to b
     for (; by[v] >= 0;) {
       NetworkLink l = network_.links[static_cast<std::size_t>(by[v])];
@@ -495,21 +492,9 @@ class WaysThroughNetwork {
       way.push_back(l);
     }
     std::reverse(way.begin(), way.end());
-    for (std::size_t i = 0; i + 1 < way.size();) {
-      const NetworkLink &l = way[i], &next = way[i + 1];
-      if (l.face < 0 || l.face != next.face || !network_.sees(surface_, topology_, l.face, l.a, next.b)) {
-        ++i;
-        continue;
-      }
-      way[i] = {l.a, next.b, l.face, l.length + next.length};
-      way.erase(way.begin() + static_cast<std::ptrdiff_t>(i) + 1);
-      i = i > 0 ? i - 1 : 0;
-    }
     return way;
   }
 
-  const Surface& surface_;
-  const SurfaceTopology& topology_;
   const CoveredNetwork& network_;
   const Index vertices_;
   std::vector<std::vector<std::size_t>> links_;  // at each node
@@ -519,30 +504,62 @@ class WaysThroughNetwork {
 
 }  // namespace
 
-std::vector<NetworkLink> links_between(const Surface& surface, const SurfaceTopology& topology,
-                                       const CoveredNetwork& network, const std::vector<Index>& odd) {
-  return WaysThroughNetwork(surface, topology, network).join(odd);
+std::vector<NetworkLink> links_between(const Surface& surface, const CoveredNetwork& network,
+                                       const std::vector<Index>& odd) {
+  return WaysThroughNetwork(surface, network).join(odd);
 }
 
-std::pair<std::vector<FacePoint>, std::vector<FaceEdge>> additions(const Surface& surface,
-                                                                   const CoveredNetwork& network,
-                                                                   const std::vector<NetworkLink>& links) {
+std::vector<NetworkLink> pulled_tight(const Surface& surface, const SurfaceTopology& topology,
+                                      const CoveredNetwork& network, const std::vector<NetworkLink>& links) {
+  const Index n = static_cast<Index>(surface.V.rows());
+  std::map<std::array<Index, 3>, NetworkLink> left;  // by face and ends
+  std::map<Index, std::set<std::array<Index, 3>>> at;
+  const auto put = [&](const NetworkLink& l) {
+    const std::array<Index, 3> key{l.face, std::min(l.a, l.b), std::max(l.a, l.b)};
+    left.emplace(key, l);
+    at[l.a].insert(key), at[l.b].insert(key);
+  };
+  for (const NetworkLink& l : links)
+    if (l.face >= 0) put(l);
+  std::vector<Index> nodes;
+  for (const auto& [v, keys] : at)
+    if (v >= n) nodes.push_back(v);
+  for (const Index v : nodes) {
+    const std::vector<std::array<Index, 3>> mine(at[v].begin(), at[v].end());
+    if (mine.size() != 2 || mine[0][0] != mine[1][0]) continue;
+    const Index p = mine[0][1] == v ? mine[0][2] : mine[0][1], q = mine[1][1] == v ? mine[1][2] : mine[1][1];
+    if (p == q || !network.sees(surface, topology, mine[0][0], p, q)) continue;
+    const NetworkLink joined{p, q, mine[0][0], left.at(mine[0]).length + left.at(mine[1]).length};
+    for (const auto& key : mine) {
+      left.erase(key);
+      for (const Index u : {p, q, v}) at[u].erase(key);
+    }
+    put(joined);
+  }
+  std::vector<NetworkLink> out;
+  for (const auto& [key, l] : left) out.push_back(l);
+  return out;
+}
+
+Additions additions(const Surface& surface, const CoveredNetwork& network,
+                    const std::vector<NetworkLink>& links) {
   const Index n = static_cast<Index>(surface.V.rows());
   std::set<Index> nodes;
   for (const NetworkLink& l : links)
     for (const Index v : {l.a, l.b})
       if (v >= n) nodes.insert(v);
   std::map<Index, Index> number;
-  std::pair<std::vector<FacePoint>, std::vector<FaceEdge>> out;
+  Additions out;
   for (const Index v : nodes) {
-    number[v] = n + static_cast<Index>(out.first.size());
-    out.first.push_back(network.points[static_cast<std::size_t>(v - n)]);
+    number[v] = n + static_cast<Index>(out.points.size());
+    out.points.push_back(network.points[static_cast<std::size_t>(v - n)]);
+    out.nodes.push_back(v);
   }
   const auto renumbered = [&](Index v) { return v < n ? v : number.at(v); };
   std::set<std::array<Index, 3>> seen;
   for (const NetworkLink& l : links)
     if (l.face >= 0 && seen.insert({l.face, std::min(l.a, l.b), std::max(l.a, l.b)}).second)
-      out.second.push_back({l.face, renumbered(l.a), renumbered(l.b)});
+      out.edges.push_back({l.face, renumbered(l.a), renumbered(l.b)});
   return out;
 }
 

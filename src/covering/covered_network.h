@@ -55,11 +55,22 @@ Result<CoveredNetwork> find_covered_network(const Surface& surface, const Surfac
 // Links that lead from each of the groups of vertices that covered edges join, and that has an odd number of
 // `odd` ones, to another one, so that none is left; few faces, and short. Those in faces only. Empty where
 // the network does not join them.
-std::vector<CoveredNetwork::Link> links_between(const Surface& surface, const SurfaceTopology& topology,
-                                                const CoveredNetwork& network, const std::vector<Index>& odd);
+std::vector<CoveredNetwork::Link> links_between(const Surface& surface, const CoveredNetwork& network,
+                                                const std::vector<Index>& odd);
 
-// The points and edges that make links edges of a surface.
-std::pair<std::vector<FacePoint>, std::vector<FaceEdge>> additions(
-    const Surface& surface, const CoveredNetwork& network, const std::vector<CoveredNetwork::Link>& links);
+// The same links without nodes inside faces that lead straight on: with the two links at them made one, where
+// that stays covered.
+std::vector<CoveredNetwork::Link> pulled_tight(const Surface& surface, const SurfaceTopology& topology,
+                                               const CoveredNetwork& network,
+                                               const std::vector<CoveredNetwork::Link>& links);
+
+// What makes links edges of a surface: points, edges, and the node that each point is.
+struct Additions {
+  std::vector<FacePoint> points;
+  std::vector<FaceEdge> edges;
+  std::vector<Index> nodes;
+};
+Additions additions(const Surface& surface, const CoveredNetwork& network,
+                    const std::vector<CoveredNetwork::Link>& links);
 
 }  // namespace overtet

@@ -30,30 +30,13 @@ double dihedral(const VertexMatrix& V, Index a, Index b, Index p, Index q) {
   return std::atan2(u.cross(w).norm(), u.dot(w));
 }
 
-// Of each point whether an edge at it is wound: the tets there make more than a turn, which no surface shows.
-std::vector<char> wound_points(const MeshedSubdivision& made) {
+// Of each point whether it is an end of one of the edges.
+std::vector<char> ends_of(const std::vector<Ends>& edges, const MeshedSubdivision& made) {
   const Index first = made.mesh.surface_vertices - static_cast<Index>(made.points.size());
-  std::map<Ends, double> angle;
-  for (Index f = 0; f < made.cut.surface.F.rows(); ++f)
-    for (int k = 0; k < 3; ++k) {
-      const Index a = made.cut.surface.F(f, k), b = made.cut.surface.F(f, (k + 1) % 3);
-      if (std::max(a, b) >= first) angle.try_emplace(std::minmax(a, b), 0);
-    }
-  const TetMatrix& T = made.mesh.T;
-  for (Index t = 0; t < T.rows(); ++t)
-    for (int i = 0; i < 4; ++i)
-      for (int j = 0; j < i; ++j) {
-        if (std::max(T(t, i), T(t, j)) < first) continue;
-        const auto at = angle.find(std::minmax(T(t, i), T(t, j)));
-        if (at == angle.end()) continue;
-        const int p = i != 0 && j != 0 ? 0 : i != 1 && j != 1 ? 1 : 2;  // the other two: p, and what is left
-        at->second += dihedral(made.mesh.V, T(t, i), T(t, j), T(t, p), T(t, 6 - i - j - p));
-      }
   std::vector<char> out(made.points.size(), 0);
-  for (const auto& [ends, total] : angle)
-    if (total > 2 * M_PI)
-      for (const Index v : {ends.first, ends.second})
-        if (v >= first) out[v - first] = 1;
+  for (const auto& [a, b] : edges)
+    for (const Index v : {a, b})
+      if (v >= first) out[v - first] = 1;
   return out;
 }
 
@@ -176,9 +159,33 @@ class Coarsening {
 
 }  // namespace
 
+std::vector<Ends> wound_edges(const MeshedSubdivision& made) {
+  const Index first = made.mesh.surface_vertices - static_cast<Index>(made.points.size());
+  std::map<Ends, double> angle;
+  for (Index f = 0; f < made.cut.surface.F.rows(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      const Index a = made.cut.surface.F(f, k), b = made.cut.surface.F(f, (k + 1) % 3);
+      if (std::max(a, b) >= first) angle.try_emplace(std::minmax(a, b), 0);
+    }
+  const TetMatrix& T = made.mesh.T;
+  for (Index t = 0; t < T.rows(); ++t)
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < i; ++j) {
+        if (std::max(T(t, i), T(t, j)) < first) continue;
+        const auto at = angle.find(std::minmax(T(t, i), T(t, j)));
+        if (at == angle.end()) continue;
+        const int p = i != 0 && j != 0 ? 0 : i != 1 && j != 1 ? 1 : 2;  // the other two: p, and what is left
+        at->second += dihedral(made.mesh.V, T(t, i), T(t, j), T(t, p), T(t, 6 - i - j - p));
+      }
+  std::vector<Ends> out;
+  for (const auto& [ends, total] : angle)
+    if (total > 2 * M_PI) out.push_back(ends);  // more than a turn, which no surface shows
+  return out;
+}
+
 Status drop_needless(const Surface& surface, const SurfaceTopology& topology, MeshedSubdivision& made,
                      const RunContext& context) {
-  std::vector<char> stays = wound_points(made);
+  std::vector<char> stays = ends_of(wound_edges(made), made);
   for (;;) {
     std::vector<Index> left;
     auto coarse = Coarsening(surface, topology, made).run(stays, false, context, left);

@@ -2,6 +2,7 @@
 // src/pipeline.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "overtet/result.h"
@@ -16,6 +17,9 @@ struct MeshedSubdivision {
   std::vector<FacePoint> points;  // the added vertices
   TetMesh mesh;                   // of cut.surface
 };
+
+// The edges of made.cut.surface at added vertices that the mesh winds around; a < b, sorted.
+std::vector<std::pair<Index, Index>> wound_edges(const MeshedSubdivision& made);
 
 // The vertices that no wound edge needs leave; faces that nothing is left of are whole again. Nothing
 // branches. surface: that was subdivided, in the same space. Errors: limit, interrupted.

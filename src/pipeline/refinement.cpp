@@ -46,18 +46,20 @@ class SubdivisionSearch {
                                                StageRecord& record) {
     for (const Hinge& h : diagnosis_.hinges)
       if (h.B0 && *h.B0 % 2 != 0) odd_.push_back(h.vertex);
-    const std::vector<Link> ways = links_between(surface_, topology_, network_, odd_);
+    const std::vector<Link> ways = links_between(surface_, network_, odd_);
     Error last = why;
     if (why.certificate) find_spots(*why.certificate, nullptr);
     if (why.place) spot_near(Eigen::Vector3d((*why.place)[0], (*why.place)[1], (*why.place)[2]));
     bool zone = ways.empty();
     for (int round = 0; round < kRounds; ++round) {
       if (auto stop = context_.stop()) return *stop;
-      std::vector<Link> links = ways;
+      // Links pulled tight may cross others.
+      std::vector<Link> links = zone ? ways : pulled_tight(surface_, topology_, network_, ways);
       if (zone && !add_zone(links)) break;
       ++record.iterations;
       Result<std::optional<MeshedSubdivision>> made = attempt(links, records);
-      if (!made || made.value()) return made;
+      if (!made) return made;
+      if (made.value()) return zone ? with_fewer(std::move(*made.value()), links, records, record) : made;
       zone = true;
     }
     return std::optional<MeshedSubdivision>();
@@ -118,12 +120,37 @@ class SubdivisionSearch {
     }
   }
 
+  // The same with only those links that were wound, and fewer nodes on them, where that has a mesh, too.
+  Result<std::optional<MeshedSubdivision>> with_fewer(MeshedSubdivision made, const std::vector<Link>& links,
+                                                      std::vector<StageRecord>& records,
+                                                      StageRecord& record) {
+    const Index n = static_cast<Index>(surface_.V.rows());
+    const std::vector<Index> nodes = additions(surface_, network_, links).nodes;
+    std::set<std::pair<Index, Index>> wound;
+    for (const auto& [a, b] : wound_edges(made)) {
+      const auto node = [&](Index v) { return v < n ? v : nodes[static_cast<std::size_t>(v - n)]; };
+      wound.insert(std::minmax({node(a), node(b)}));
+    }
+    std::vector<Link> used;
+    for (const Link& l : links)
+      if (wound.count(std::minmax({l.a, l.b}))) used.push_back(l);
+    const std::vector<Link> tight = pulled_tight(surface_, topology_, network_, used);
+    if (tight.size() >= used.size()) return std::optional(std::move(made));
+    ++record.iterations;
+    std::vector<StageRecord> own;
+    Result<std::optional<MeshedSubdivision>> fewer = attempt(tight, own);
+    if (!fewer) return fewer;
+    if (!fewer.value()) return std::optional(std::move(made));
+    records = std::move(own);
+    return fewer;
+  }
+
   Result<std::optional<MeshedSubdivision>> attempt(const std::vector<Link>& links,
                                                    std::vector<StageRecord>& records) {
     MeshedSubdivision made;
-    std::vector<FaceEdge> edges;
-    std::tie(made.points, edges) = additions(surface_, network_, links);
-    Result<Subdivision> cut = subdivide(surface_, topology_, made.points, edges);
+    Additions added = additions(surface_, network_, links);
+    made.points = std::move(added.points);
+    Result<Subdivision> cut = subdivide(surface_, topology_, made.points, added.edges);
     if (!cut) {
       context_.note(LogLevel::info, "Subdivision: " + cut.error().message);
       return std::optional<MeshedSubdivision>();
