@@ -252,6 +252,45 @@ TEST_F(Cli, RepairMakesAMeshOrASurface) {
   EXPECT_EQ(run("repair " + in + " -o " + surface + " --report " + folder_.file("r.json")).exit_code, 2);
 }
 
+TEST_F(Cli, RefinesAndBranchesOnRequest) {
+  const std::string in = save("elbow.off", test::obstructed_elbow(0));
+  const std::string mesh = folder_.file("o.mesh"), surface = folder_.file("s.off");
+  const std::string common = "mesh " + in + " -o " + mesh + " --report " + folder_.file("r.json");
+  // What would help is said, and nothing promised.
+  ShellResult r = run(common);
+  EXPECT_EQ(r.exit_code, 5);
+  for (const char* word : {"repair", "refine", "branch", "not ruled out"})
+    EXPECT_NE(r.err.find(word), std::string::npos) << r.err;
+  const ShellResult saucer = run("mesh " + save("saucer.off", test::saucer(2)) + " -o " + mesh);
+  EXPECT_EQ(saucer.exit_code, 5);
+  EXPECT_NE(saucer.err.find("would not help"), std::string::npos) << saucer.err;
+
+  r = run(common + " --on-infeasible refine --save-surface " + surface);
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  json j = report("r.json");
+  EXPECT_EQ(j["status"], "refined");
+  EXPECT_EQ(j["refined"]["faces"].size(), read_surface(surface).value().F.rows());
+  EXPECT_EQ(run("verify " + surface + " " + mesh).exit_code, 0);
+  EXPECT_EQ(run("verify " + in + " " + mesh).exit_code, 4);
+
+  r = run(common + " --on-infeasible branch --save-surface " + surface);
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  j = report("r.json");
+  EXPECT_EQ(j["status"], "branched");
+  EXPECT_EQ(read_surface(surface).value().V, read_surface(in).value().V);
+  EXPECT_EQ(run("verify " + in + " " + mesh).exit_code, 4);
+  EXPECT_EQ(run("verify " + in + " " + mesh + " --allow-branches").exit_code, 0);
+  const json checked = json::parse(run("verify --json --allow-branches " + in + " " + mesh).out);
+  EXPECT_EQ(checked["branch_edges"], j["branch_edges"]);
+  EXPECT_FALSE(j["branch_edges"].empty());
+
+  for (const std::string& words :
+       {common + " --on-infeasible refine --save-stages " + folder_.file("stages"),
+        common + " --on-infeasible branch --resume " + folder_.path(), common + " --save-surface " + in,
+        common + " --save-surface " + mesh, common + " --save-surface s.xyz"})
+    EXPECT_EQ(run(words).exit_code, 2) << words;
+}
+
 TEST_F(Cli, UnpairedHingesAreInfeasible) {
   const std::string in = save("elbow.off", test::obstructed_elbow(0));
   const ShellResult r =

@@ -282,5 +282,42 @@ TEST(Verify, SameAnswerOnAnyNumberOfThreads) {
   EXPECT_EQ(answers.size(), 2u);
 }
 
+// Eight tets around an edge that make two turns, further out in the second one.
+Example two_turns() {
+  Example e;
+  e.mesh.V.resize(10, 3);
+  e.mesh.V.row(0) << 0, 0, -1;
+  e.mesh.V.row(1) << 0, 0, 1;
+  for (int i = 0; i < 8; ++i) {
+    const double a = i * std::numbers::pi / 2, r = i < 4 ? 1 : 2;
+    e.mesh.V.row(2 + i) << r * std::cos(a), r * std::sin(a), 0;
+  }
+  e.mesh.T.resize(8, 4);
+  for (int i = 0; i < 8; ++i) e.mesh.T.row(i) << 0, 1, 2 + i, 2 + (i + 1) % 8;
+  e.mesh.surface_vertices = 10;
+  e.surface = boundary_of(e.mesh, 10);
+  return e;
+}
+
+TEST(Verify, AllowsBranchLinesOnlyOnRequest) {
+  const Example e = two_turns();
+  const VerifyResult strict = verify(e.surface, e.mesh);
+  ASSERT_EQ(strict.failures.size(), 1u) << strict.summary();
+  EXPECT_TRUE(strict.fails(Rule::R6));
+  EXPECT_TRUE(strict.branch_edges.empty());
+  VerifyOptions options;
+  options.allow_branches = true;
+  const VerifyResult lax = verify(e.surface, e.mesh, options);
+  EXPECT_TRUE(lax.ok()) << lax.summary();
+  EXPECT_EQ(lax.branch_edges, (std::vector<std::array<Index, 2>>{{0, 1}}));
+  // Nothing else is forgiven.
+  Example turned = e;
+  std::swap(turned.mesh.T(3, 0), turned.mesh.T(3, 1));
+  EXPECT_TRUE(verify(turned.surface, turned.mesh, options).fails(Rule::R4));
+  Example moved = e;
+  moved.surface.V(5, 2) += 0.01;
+  EXPECT_TRUE(verify(moved.surface, moved.mesh, options).fails(Rule::R2));
+}
+
 }  // namespace
 }  // namespace overtet
