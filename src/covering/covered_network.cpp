@@ -88,7 +88,6 @@ struct TriangulatedPart {
   }
 };
 
-// More than 12 members: the surface and its cuts (seven), and tables of the network that is being made.
 class NetworkMaker {
  public:
   NetworkMaker(const Surface& surface, const SurfaceTopology& topology, const TriangleBvh& bvh,

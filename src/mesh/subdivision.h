@@ -17,7 +17,7 @@
 
 namespace overtet {
 
-// Products of two differences fit into 64 bits.
+// The finest for which twice the area of a triangle on it fits into 64 bits.
 constexpr std::int64_t kFaceGrid = std::int64_t{1} << 30;
 
 // A point inside a face, or inside one of its edges, where one weight is 0. The weights are not negative, at
