@@ -30,6 +30,11 @@ struct FirstFailure {
   std::vector<SubSurface> parts;
 };
 
+Error beyond_refining(Error e) {
+  if (e.code == ErrorCode::infeasible) e.message += " Neither subdivided faces nor branch lines change that.";
+  return e;
+}
+
 // The mesh of the surface as it is, or nothing and why.
 Result<std::optional<TetMesh>> mesh_as_it_is(const Surface& surface, const MeshingOptions& options,
                                              const RunContext& context, Report& report,
@@ -43,6 +48,8 @@ Result<std::optional<TetMesh>> mesh_as_it_is(const Surface& surface, const Meshi
   report.certificate = run.certificate();
   if (mesh) return std::optional(std::move(mesh).value());
   if (options.on_infeasible == OnInfeasible::reject || !repairable(mesh.error())) return mesh.error();
+  if (options.on_infeasible != OnInfeasible::repair && !refinable(mesh.error(), run.diagnosis()))
+    return beyond_refining(mesh.error());
   failure = {mesh.error(), run.diagnosis(), run.unglued(), run.parts()};
   return std::optional<TetMesh>();
 }
@@ -189,18 +196,12 @@ Result<MeshedSurface> repair_whole(const Surface& surface, const MeshingOptions&
 Result<MeshedSurface> refine_whole(const Surface& surface, const MeshingOptions& options,
                                    const RunContext& context, std::vector<StageRecord>& records,
                                    const FirstFailure& first) {
-  if (!refinable(first.error, first.diagnosis)) {
-    Error e = first.error;
-    if (e.code != ErrorCode::bad_input)
-      e.message += " Neither subdivided faces nor branch lines change that.";
-    return e;
-  }
   Result<RefinedMesh> refined =
       mesh_refined(surface, first.diagnosis, first.error, options, context, records);
   if (!refined) return refined.error();
   RefinedMesh& r = refined.value();
   MeshedSurface out{std::move(r.mesh), {}, {}, std::move(r.branch_edges)};
-  if (options.on_infeasible == OnInfeasible::refine) out.refined = std::move(r.shape);
+  if (!r.shape.subdivided.empty()) out.refined = std::move(r.shape);
   return out;
 }
 

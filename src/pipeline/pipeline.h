@@ -4,7 +4,8 @@
 //            -> (immersion) immersion (arrangement, tet mesh, sheets) ---------------> improve -> verify
 //            -> (flow)      forward_flow -> reverse_flow -> tet_mesh -> volume_map --> improve -> verify
 //
-// Where there is no mesh and repairing is asked for, the same with a repaired surface in the input's place.
+// Where there is no mesh and that is asked for, the same with a repaired or a refined surface in the input's
+// place.
 //
 // The immersion route needs no flow and is tried first; the flow route is the paper's (Sacht et al. 2013) and
 // is taken when the first one finds nothing (unless it has tried everything there is), or alone when asked
@@ -29,7 +30,10 @@ struct PipelineResult {
   Report report;
   Error error;             // why there is no mesh
   RefinedSurface refined;  // of status `refined`
-  bool ok() const { return error.message.empty(); }
+  bool ok() const {
+    return report.status == RunStatus::exact || report.status == RunStatus::repaired ||
+           report.status == RunStatus::refined || report.status == RunStatus::branched;
+  }
   int exit_code() const { return ok() ? 0 : static_cast<int>(error.code); }
 };
 

@@ -22,9 +22,9 @@ struct Found {
 Found found(Surface s) {
   Found out;
   out.diagnosis = diagnose(s, {}, {}).value();
-  out.network = find_covered_network(s, out.diagnosis.topology.topology, *out.diagnosis.bvh,
-                                     *out.diagnosis.graph, {})
-                    .value();
+  out.network =
+      find_covered_network(s, out.diagnosis.topology.topology, *out.diagnosis.bvh, *out.diagnosis.graph, {})
+          .value();
   out.surface = std::move(s);
   return out;
 }

@@ -29,8 +29,7 @@ void expect_refines(const Surface& s, const RefinedSurface& r) {
   EXPECT_TRUE(std::is_sorted(r.face.begin(), r.face.end()));
   const auto corner = [](const Surface& x, Index f, int k) { return Eigen::Vector3d(x.V.row(x.F(f, k))); };
   const auto normal = [&](const Surface& x, Index f) {
-    return Eigen::Vector3d(
-        (corner(x, f, 1) - corner(x, f, 0)).cross(corner(x, f, 2) - corner(x, f, 0)));
+    return Eigen::Vector3d((corner(x, f, 1) - corner(x, f, 0)).cross(corner(x, f, 2) - corner(x, f, 0)));
   };
   std::vector<double> area(static_cast<std::size_t>(s.F.rows()), 0);
   std::vector<int> pieces(area.size(), 0);
