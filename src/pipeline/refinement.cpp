@@ -277,7 +277,7 @@ Result<RefinedMesh> mesh_refined(const Surface& surface, const Diagnosis& diagno
   if (!finished) return finished.error();
   RefinedMesh out{{}, std::move(finished).value(), {}};
   if (!branch) {
-    out.shape = shape_of(std::move(made.cut));
+    if (!made.cut.pieced.empty()) out.shape = shape_of(std::move(made.cut));
     return out;
   }
   VerifyOptions lines;

@@ -24,7 +24,7 @@
 namespace overtet {
 
 struct RefinedMesh {
-  RefinedSurface shape;                            // of `refine`; of `branch` the input itself
+  RefinedSurface shape;                            // of `refine`, where a face is subdivided; else empty
   TetMesh mesh;                                    // in the input's space, improved and checked
   std::vector<std::array<Index, 2>> branch_edges;  // of `branch`, sorted
 };
