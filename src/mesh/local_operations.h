@@ -14,6 +14,8 @@
 //     covering of degree one). Old and new tets have the same boundary, hence the same degree at every
 //     point; all positive, they cover every point of the cavity once. So the angle at each edge of the
 //     cavity's boundary is the same before and after, also where that edge is a hinge of more than one turn.
+//     Where a mesh has branch lines, 1 to 3 hold as ever, and vertices on a line may move; which edges branch
+//     may change. (The exact check at the end of a run lists them.)
 //  5. With a criterion: the worst tet among those replaced gets better; with a price: their price falls.
 //
 // The mesh may overlap itself: nothing here searches by position.

@@ -47,7 +47,6 @@ class SubdivisionSearch {
     for (const Hinge& h : diagnosis_.hinges)
       if (h.B0 && *h.B0 % 2 != 0) odd_.push_back(h.vertex);
     const std::vector<Link> ways = links_between(surface_, network_, odd_);
-    Error last = why;
     if (why.certificate) find_spots(*why.certificate, nullptr);
     if (why.place) spot_near(Eigen::Vector3d((*why.place)[0], (*why.place)[1], (*why.place)[2]));
     bool zone = ways.empty();
