@@ -56,15 +56,21 @@ struct TriangulatedPart {
   void triangulate() {
     std::vector<int> left(nodes.size());
     for (std::size_t i = 0; i < left.size(); ++i) left[i] = static_cast<int>(i);
+    std::vector<double> quality(left.size());  // of the ear at each of them, as far as known
+    const auto look = [&](std::size_t i) { quality[i] = ear(left, i); };
+    for (std::size_t i = 0; i < left.size(); ++i) look(i);
     while (left.size() > 2) {
-      std::size_t best = left.size();
-      double best_quality = 0;
-      for (std::size_t i = 0; i < left.size(); ++i)
-        if (const double q = ear(left, i); q > best_quality) best = i, best_quality = q;
-      if (best == left.size()) return triangles.clear();
-      const std::size_t m = left.size();
-      triangles.push_back({left[(best + m - 1) % m], left[best], left[(best + 1) % m]});
-      left.erase(left.begin() + static_cast<std::ptrdiff_t>(best));
+      auto best = std::max_element(quality.begin(), quality.end());
+      if (!(*best > 0)) {  // what was in the way of an ear may be gone
+        for (std::size_t i = 0; i < left.size(); ++i) look(i);
+        best = std::max_element(quality.begin(), quality.end());
+        if (!(*best > 0)) return triangles.clear();
+      }
+      const std::size_t m = left.size(), i = static_cast<std::size_t>(best - quality.begin());
+      triangles.push_back({left[(i + m - 1) % m], left[i], left[(i + 1) % m]});
+      left.erase(left.begin() + static_cast<std::ptrdiff_t>(i));
+      quality.erase(best);
+      look((i + m - 2) % (m - 1)), look(i % (m - 1));
     }
   }
 

@@ -65,7 +65,9 @@ class FaceTriangulation {
   const Weights& at(int i) const { return points_[i].weight; }
   int count() const { return static_cast<int>(points_.size()); }
 
-  void link(int a, int b) { edges_.insert(std::minmax(a, b)); }
+  void link(int a, int b) {
+    if (edges_.insert(std::minmax(a, b)).second) listed_.emplace_back(a, b);
+  }
   bool linked(int a, int b) const { return edges_.count(std::minmax(a, b)) > 0; }
 
   // Both on one edge of the face.
@@ -85,8 +87,15 @@ class FaceTriangulation {
     }
   }
 
-  // Whether an edge may be added: it crosses none and passes through no point.
+  // Whether an edge may be added: it crosses none and passes through no point. Most that do not fit cross
+  // many, so few are looked at.
   bool fits(int a, int b) const {
+    for (const auto& [c, d] : listed_) {
+      if (c == a || c == b || d == a || d == b) continue;
+      if (side(at(a), at(b), at(c)) * side(at(a), at(b), at(d)) < 0 &&
+          side(at(c), at(d), at(a)) * side(at(c), at(d), at(b)) < 0)
+        return false;
+    }
     for (int c = 0; c < count(); ++c) {
       if (c == a || c == b || side(at(a), at(b), at(c)) != 0) continue;
       const auto between = [&](int k) {
@@ -94,12 +103,7 @@ class FaceTriangulation {
       };
       if (between(0) && between(1) && between(2)) return false;
     }
-    return std::none_of(edges_.begin(), edges_.end(), [&](const auto& e) {
-      const auto [c, d] = e;
-      if (c == a || c == b || d == a || d == b) return false;
-      return side(at(a), at(b), at(c)) * side(at(a), at(b), at(d)) < 0 &&
-             side(at(c), at(d), at(a)) * side(at(c), at(d), at(b)) < 0;
-    });
+    return true;
   }
 
   // The greedy triangulation: short edges first.
@@ -138,6 +142,7 @@ class FaceTriangulation {
   std::vector<Point> points_;
   std::map<Index, int> local_;
   std::set<std::pair<int, int>> edges_;
+  std::vector<std::pair<int, int>> listed_;  // the same
 };
 
 }  // namespace
