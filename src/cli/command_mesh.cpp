@@ -54,6 +54,10 @@ std::string counted(std::size_t n, const char* one, const char* many = nullptr) 
 
 // What would do where there is no mesh, as far as that is known without trying.
 std::string what_may_help(const MeshCommand& c, const Error& e) {
+  if (e.reason == ErrorReason::exhausted && c.on_infeasible == "reject")
+    return " A mesh of moved vertices, of a few faces subdivided or with branch lines may be found: "
+           "--on-infeasible "
+           "repair, refine or branch.";
   if (e.code != ErrorCode::infeasible || c.on_infeasible == "repair") return {};
   const std::string repair =
       " --on-infeasible repair moves vertices, as little as it can, until there is a mesh.";
