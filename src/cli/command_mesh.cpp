@@ -55,8 +55,7 @@ std::string counted(std::size_t n, const char* one, const char* many = nullptr) 
 // What would do where there is no mesh, as far as that is known without trying.
 std::string what_may_help(const MeshCommand& c, const Error& e) {
   if (e.reason == ErrorReason::exhausted && c.on_infeasible == "reject")
-    return " A mesh of moved vertices, of a few faces subdivided or with branch lines may be found: "
-           "--on-infeasible "
+    return " With vertices moved, faces subdivided or branch lines inside there may be one: --on-infeasible "
            "repair, refine or branch.";
   if (e.code != ErrorCode::infeasible || c.on_infeasible == "repair") return {};
   const std::string repair =
@@ -66,8 +65,7 @@ std::string what_may_help(const MeshCommand& c, const Error& e) {
     return repair + " Subdividing faces (refine) or branch lines (branch) would not help.";
   return repair +
          " Without moving any, refine (a few faces subdivided) or branch (two turns around some edges "
-         "inside) may do: "
-         "that is not ruled out, and known when it has been tried.";
+         "inside) may do: not ruled out, and known when it has been tried.";
 }
 
 std::string what_was_changed(const MeshCommand& c, const Report& r) {
