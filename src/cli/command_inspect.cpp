@@ -17,6 +17,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Findings {
+  const InputSurface& input;
   const Surface& surface;
   const SurfaceReadInfo& info;
   const SurfaceDiagnosis& diagnosis;
@@ -97,6 +98,20 @@ std::string text_of(const std::array<double, 3>& p) {
 
 std::array<double, 3> position(const Surface& s, Index v) { return {s.V(v, 0), s.V(v, 1), s.V(v, 2)}; }
 
+Json to_json(const Defect& d, const InputSurface& input) {
+  const SurfaceSource& source = input.info.source;
+  Json j = {{"kind", name_of(d.kind)}, {"count", d.count}, {"mended", is_mended(d.kind) && !input.cleanup.problem}};
+  j["places"] = Json::array();
+  for (const DefectPlace& p : d.places) {
+    Json place = {{"position", p.position}, {"vertices", Json::array()}, {"faces", Json::array()}};
+    for (const Index v : p.vertices) place["vertices"].push_back(source.vertex_in_file(v) + source.first);
+    for (const Index f : p.faces) place["faces"].push_back(source.face_in_file(f) + source.first);
+    if (d.kind == DefectKind::hole) place["edges"] = p.edges, place["length"] = p.length;
+    j["places"].push_back(place);
+  }
+  return j;
+}
+
 Json to_json(const Findings& f) {
   const SurfaceDiagnosis& d = f.diagnosis;
   Json j = {{"version", version()}, {"format", f.info.format}, {"notes", f.info.notes}};
@@ -108,6 +123,8 @@ Json to_json(const Findings& f) {
   j["manifold"] = d.manifold;
   j["oriented"] = d.oriented;
   j["problems"] = d.problems;
+  j["defects"] = Json::array();
+  for (const Defect& defect : f.input.cleanup.defects) j["defects"].push_back(to_json(defect, f.input));
   j["components"] = Json::array();
   for (const ComponentDiagnosis& c : d.components) {
     Json one = {{"faces", c.faces}, {"vertices", c.vertices}, {"genus", c.genus}};
@@ -238,6 +255,8 @@ void print(const Findings& f) {
   const SurfaceDiagnosis& d = f.diagnosis;
   std::printf("file        %s\n", f.info.format.c_str());
   for (const std::string& note : f.info.notes) std::printf("note        %s\n", note.c_str());
+  if (const std::string done = f.input.cleanup.summary(); !done.empty())
+    std::printf("clean-up    %s\n", done.c_str());
   std::printf("size        %d vertices, %d faces\n", d.vertices, d.faces);
   std::printf("closed      %s\nmanifold    %s\noriented    %s\n", yes(d.closed), yes(d.manifold),
               yes(d.oriented));
@@ -264,6 +283,18 @@ void print(const Findings& f) {
   for (const std::string& advice : d.advice) std::printf("advice      %s\n", advice.c_str());
 }
 
+// The verdict on a surface that cannot be cleaned, and the file's numbers of a face without area.
+void explain_in_file(const InputSurface& input, SurfaceDiagnosis& d) {
+  Error error{ErrorCode::bad_input, d.message};
+  if (input.cleanup.problem) {
+    error = *input.cleanup.problem;
+    d.verdict = Verdict::bad_input;
+  } else if (d.verdict == Verdict::bad_input && !d.degenerate_faces.empty()) {
+    error.face = d.degenerate_faces[0];
+  }
+  d.message = input.in_file(error).message;
+}
+
 }  // namespace
 
 int run(const InspectCommand& command, const CommonOptions& common, Terminal& terminal) {
@@ -279,18 +310,20 @@ int run(const InspectCommand& command, const CommonOptions& common, Terminal& te
   const RunContext context = common.context(terminal);
   Watchdog watchdog(context.deadline, context.memory_limit_bytes,
                     [&](const Error& error) { terminal.error(with_hint(error)); });
-  SurfaceReadInfo info;
-  const Result<Surface> surface = read_surface(command.input, &info, context);
-  if (!surface) return fail(terminal, surface.error());
-  const Result<SurfaceDiagnosis> found = diagnose(surface.value(), context);
+  const Result<InputSurface> loaded = load(command.input, command.clean, context, terminal);
+  if (!loaded) return fail(terminal, loaded.error());
+  const InputSurface& input = loaded.value();
+  Result<SurfaceDiagnosis> found = diagnose(input.surface(), context);
   if (!found) return fail(terminal, found.error());
-  const SurfaceDiagnosis& diagnosis = found.value();
+  SurfaceDiagnosis& diagnosis = found.value();
+  explain_in_file(input, diagnosis);
   watchdog.dismiss();
   if (!command.save_curves.empty())
     if (Status s = write_curves(command.save_curves, diagnosis.curves, format, context); !s)
       return fail(terminal, s.error());
   terminal.clear();
-  const Findings findings{surface.value(), info, diagnosis, command.pairs, command.curves};
+  const Findings findings{input,     input.surface(), input.info,
+                          diagnosis, command.pairs,   command.curves};
   if (command.json)
     std::puts(to_json(findings).dump(2, ' ', false, Json::error_handler_t::replace).c_str());
   else

@@ -95,11 +95,13 @@ class Source {
   virtual bool begin_element() = 0;
   virtual std::int64_t bytes_left() const = 0;
   virtual std::string place() const = 0;  // for messages
+  virtual std::int64_t line() const { return 0; }
 
   Error error;
   std::string_view name;
   const char* element = "";
   std::int64_t number = 0;
+  std::int64_t first_extra = 0;  // the first line with more values than the header names
 
   std::string which() const { return std::string(element) + " " + std::to_string(number); }
   bool fail(const std::string& what) {
@@ -140,12 +142,13 @@ class TextSource final : public Source {
   }
   bool begin_element() override { return in_.to_token() || fail("the file ends before " + which()); }
   bool end_element() override {
-    if (!in_.at_line_end()) return fail("there are more values than the header declares (" + which() + ")");
+    if (!in_.at_line_end() && first_extra == 0) first_extra = in_.line();
     in_.next_line();
     return true;
   }
   std::int64_t bytes_left() const override { return static_cast<std::int64_t>(in_.bytes_left()); }
-  std::string place() const override { return "line " + std::to_string(in_.line()) + ": "; }
+  std::string place() const override { return "line " + std::to_string(line()) + ": "; }
+  std::int64_t line() const override { return in_.line(); }
 
  private:
   TextCursor in_;
@@ -174,9 +177,12 @@ Status read_body(Source& in, const std::vector<Element>& elements, Polygons& out
       out.sizes.reserve(static_cast<std::size_t>(e.count));
       out.corners.reserve(static_cast<std::size_t>(3 * e.count));
     }
+    std::vector<std::uint32_t>* const lines =
+        in.line() == 0 ? nullptr : is_vertex ? &out.vertex_line : is_face ? &out.face_line : nullptr;
     for (std::int64_t n = 0; n < e.count; ++n) {
       in.number = n;
       if (!in.begin_element()) return in.error;
+      if (lines) lines->push_back(static_cast<std::uint32_t>(in.line()));
       for (std::size_t i = 0; i < e.properties.size(); ++i) {
         const Property& p = e.properties[i];
         double x = 0;
@@ -239,9 +245,9 @@ Result<Property> read_property(TextCursor& in) {
   std::string_view type = word();
   if (type == "list") {
     p.list = true;
-    const auto count_type = type_named(word());
-    if (!count_type || *count_type == Type::f32 || *count_type == Type::f64)
-      return bad("the length of a list needs an integer type");
+    const std::string_view count_name = word();
+    const auto count_type = type_named(count_name);
+    if (!count_type) return bad(quoted(count_name) + " is not a PLY type");
     p.count_type = *count_type;
     type = word();
   }
@@ -358,6 +364,9 @@ Result<Polygons> parse_ply(std::string_view name, std::string_view bytes, Surfac
     TextSource source(name, body, line);
     source.name = name;
     status = read_body(source, elements, out);
+    if (source.first_extra > 0)
+      info.notes.push_back("Values that the header does not name were ignored, from line " +
+                           std::to_string(source.first_extra) + " on.");
   } else {
     BinarySource source(body, little != (std::endian::native == std::endian::little));
     source.name = name;
