@@ -168,14 +168,12 @@ class Cleaner {
 
   // Finds the edges, and drops what stands in their way: that changes them, and so on.
   Status drop_faces(const RunContext& context) {
-    bool looked = false;
     for (int round = 0; round < kMostRounds; ++round) {
       if (auto stop = context.stop()) return *stop;
       faces_.edges = find_edges(given_.V, faces_.F);
       if (faces_.edges.merges && drop_repeated_corners(&faces_.edges.place)) continue;
-      if (looked) break;
-      looked = true;
-      const std::vector<Index> copies = repeated_faces(given_.V, faces_.F, faces_.edges);
+      std::vector<Index> copies = repeated_faces(given_.V, faces_.F, faces_.edges);
+      if (copies.empty()) copies = loose_copies(given_.V, faces_.F, faces_.edges);
       if (copies.empty()) break;
       std::vector<char> gone(faces_.F.rows(), 0);
       for (const Index f : copies) {

@@ -45,7 +45,7 @@ class Wheel {
  private:
   // Of the line ab. pre: a, b, p and q are coplanar, and neither p nor q is on the line.
   bool same_side(const double* p, const double* q) const {
-    for (const auto [i, j] : {std::pair{0, 1}, {1, 2}, {2, 0}}) {
+    for (const auto& [i, j] : {std::pair{0, 1}, {1, 2}, {2, 0}}) {
       const auto turn = [&, i = i, j = j](const double* x) { return orient2d(a_[i], a_[j], b_[i], b_[j], x[i], x[j]); };
       if (const int s = turn(p); s != 0) return turn(q) == s;
     }

@@ -3,9 +3,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <compare>
 #include <tuple>
 
+#include "kernels/core/point_table.h"
 #include "kernels/core/union_find.h"
+#include "kernels/parallel/grouping.h"
 #include "src/mesh/topology.h"
 
 namespace overtet {
@@ -60,7 +63,7 @@ class Patches {
         seen[f] = 1;
         Copy c{{}, f, false};
         for (int k = 0; k < 3; ++k) c.corners[k] = edges_.place[F_(f, k)];
-        for (const auto [i, j] : {std::pair{0, 1}, {1, 2}, {0, 1}})
+        for (const auto& [i, j] : {std::pair{0, 1}, {1, 2}, {0, 1}})
           if (c.corners[i] > c.corners[j]) std::swap(c.corners[i], c.corners[j]), c.odd = !c.odd;
         all.push_back(c);
       }
@@ -162,7 +165,79 @@ class Patches {
   std::vector<Remains> remains_;
 };
 
+// Three numbers in order.
+std::array<Index, 3> in_order(Index a, Index b, Index c) {
+  if (a > b) std::swap(a, b);
+  if (b > c) std::swap(b, c);
+  if (a > b) std::swap(a, b);
+  return {a, b, c};
+}
+
+// Faces in places that others have, too: of each face the set it belongs to, or -1; sets have two members or more.
+struct Places {
+  std::vector<Index> set_of, left;  // left: of each set, how many are not dropped
+
+  Places(const VertexMatrix& V, const TriangleMatrix& F) : set_of(F.rows(), -1) {
+    PointTable table(static_cast<std::size_t>(V.rows()));
+    std::vector<Index> point(V.rows());
+    for (Index v = 0; v < V.rows(); ++v) point[v] = table.number_of(V.data() + 3 * std::int64_t{v});
+    struct Face {
+      std::array<Index, 3> corners;
+      Index face;
+      auto operator<=>(const Face&) const = default;
+    };
+    std::vector<Face> all(F.rows());
+    for (Index f = 0; f < F.rows(); ++f) all[f] = {in_order(point[F(f, 0)], point[F(f, 1)], point[F(f, 2)]), f};
+    parallel_sort_groups(all, V.rows(), [](const Face& f) { return f.corners[0]; });
+    for (std::size_t i = 0, j = 0; i < all.size(); i = j) {
+      for (j = i + 1; j < all.size() && all[j].corners == all[i].corners;) ++j;
+      if (j - i == 1) continue;
+      for (std::size_t k = i; k < j; ++k) set_of[all[k].face] = static_cast<Index>(left.size());
+      left.push_back(static_cast<Index>(j - i));
+    }
+  }
+};
+
 }  // namespace
+
+std::vector<Index> loose_copies(const VertexMatrix& V, const TriangleMatrix& F, const RawEdges& edges) {
+  if (std::none_of(edges.others.begin(), edges.others.end(), [](const EdgeGroup& g) { return g.count % 2 == 1; }))
+    return {};
+  Places places(V, F);
+  if (places.left.empty()) return {};
+  // Edges are called by a number in edges.list, those of two faces by their smaller half-edge behind these.
+  const auto listed = static_cast<Index>(edges.list.size());
+  std::vector<Index> edge_of(3 * F.rows());
+  std::vector<char> odd(edges.list.size(), 0);
+  for (Index h = 0; h < 3 * F.rows(); ++h) edge_of[h] = edges.partner[h] < 0 ? 0 : listed + std::min(h, edges.partner[h]);
+  for (const EdgeGroup& g : edges.others) {
+    odd[g.begin] = g.count % 2 == 1;
+    for (Index i = g.begin; i < g.begin + g.count; ++i) edge_of[edges.list[i]] = g.begin;
+  }
+  odd.resize(static_cast<std::size_t>(listed) + 3 * static_cast<std::size_t>(F.rows()), 0);
+  const auto is_loose = [&](Index f) {
+    return places.set_of[f] >= 0 && places.left[places.set_of[f]] > 1 &&
+           odd[edge_of[3 * f]] + odd[edge_of[3 * f + 1]] + odd[edge_of[3 * f + 2]] > 1;
+  };
+  std::vector<Index> drop, stack;
+  std::vector<char> gone(F.rows(), 0);
+  for (Index f = 0; f < F.rows(); ++f)
+    if (is_loose(f)) stack.push_back(f);
+  while (!stack.empty()) {
+    const Index f = stack.back();
+    stack.pop_back();
+    if (gone[f] || !is_loose(f)) continue;
+    gone[f] = 1;
+    drop.push_back(f);
+    --places.left[places.set_of[f]];
+    for (Index h = 3 * f; h < 3 * f + 3; ++h) {
+      odd[edge_of[h]] = !odd[edge_of[h]];
+      if (edges.partner[h] >= 0) stack.push_back(half_edge_face(edges.partner[h]));
+    }
+  }
+  std::sort(drop.begin(), drop.end());
+  return drop;
+}
 
 std::vector<Index> repeated_faces(const VertexMatrix& V, const TriangleMatrix& F, const RawEdges& edges) {
   return Patches(V, F, edges).to_drop();

@@ -19,4 +19,9 @@ namespace overtet {
 // edges of the patch then have two faces and nothing else is around it, else one of each orientation.
 std::vector<Index> repeated_faces(const VertexMatrix& V, const TriangleMatrix& F, const RawEdges& edges);
 
+// Faces to drop, ascending, that have vertices of their own but lie on other faces, corner on corner: those at
+// which more edges have an odd number of faces than an even one, and what that leads to. Of each place one face
+// stays.
+std::vector<Index> loose_copies(const VertexMatrix& V, const TriangleMatrix& F, const RawEdges& edges);
+
 }  // namespace overtet

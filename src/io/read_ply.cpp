@@ -154,8 +154,14 @@ class TextSource final : public Source {
   TextCursor in_;
 };
 
-bool index_list(const Property& p) {
-  return p.list && (p.name == "vertex_indices" || p.name == "vertex_index");
+// Whether the property lists the corners of a face: it is called so, or is the only list.
+bool index_list(const Element& face, const Property& p) {
+  if (!p.list) return false;
+  const auto named = [](const Property& q) {
+    return q.list && (q.name == "vertex_indices" || q.name == "vertex_index");
+  };
+  if (std::any_of(face.properties.begin(), face.properties.end(), named)) return named(p);
+  return std::count_if(face.properties.begin(), face.properties.end(), [](const Property& q) { return q.list; }) == 1;
 }
 
 Status read_body(Source& in, const std::vector<Element>& elements, Polygons& out) {
@@ -170,7 +176,7 @@ Status read_body(Source& in, const std::vector<Element>& elements, Polygons& out
       const Property& p = e.properties[i];
       if (is_vertex && !p.list && p.name.size() == 1 && p.name[0] >= 'x' && p.name[0] <= 'z')
         role[i] = p.name[0] - 'x';
-      if (is_face && index_list(p)) role[i] = 3;
+      if (is_face && index_list(e, p)) role[i] = 3;
     }
     if (is_vertex) out.xyz.resize(static_cast<std::size_t>(3 * e.count));
     if (is_face) {
@@ -318,7 +324,7 @@ Status check_header(std::string_view name, const Header& header, std::int64_t bo
     for (const Property& p : e.properties) {
       each += text ? 2 : size_of(p.list ? p.count_type : p.type);
       if (!p.list && (p.name == "x" || p.name == "y" || p.name == "z")) ++coordinates;
-      if (index_list(p)) ++lists;
+      if (index_list(e, p)) ++lists;
     }
     if (e.name == "vertex" && coordinates != 3) return malformed(name, "the vertices have no x, y and z");
     if (e.name == "face" && lists != 1) return malformed(name, "the faces have no list of vertex_indices");

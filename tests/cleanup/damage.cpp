@@ -28,7 +28,8 @@ std::vector<Index> some_faces(const Surface& s, Eigen::Index n, Random& random) 
 
 void turn(Surface& s, Index f) { std::swap(s.F(f, 1), s.F(f, 2)); }
 
-std::vector<int> components_of(const Surface& s) {
+// Of each vertex: the smallest vertex of its component.
+std::vector<int> components(const Surface& s) {
   std::vector<int> of(s.V.rows());
   std::iota(of.begin(), of.end(), 0);
   for (bool changed = true; changed;) {
@@ -38,6 +39,11 @@ std::vector<int> components_of(const Surface& s) {
       for (int k = 0; k < 3; ++k) changed = changed || of[s.F(f, k)] != least, of[s.F(f, k)] = least;
     }
   }
+  return of;
+}
+
+std::vector<int> components_of(const Surface& s) {
+  const std::vector<int> of = components(s);
   std::vector<int> faces(s.F.rows());
   for (Index f = 0; f < s.F.rows(); ++f) faces[f] = of[s.F(f, 0)];
   return faces;
@@ -161,6 +167,9 @@ Damaged pinched(const Surface& s, Random& random) {
           for (int j = 0; j < 3; ++j) next[s.F(f, j)] = 1;
     near = next;
   }
+  // Of the same component: what is pulled out of a cavity is none any more.
+  const std::vector<int> component = components(s);
+  for (Index v = 0; v < s.V.rows(); ++v) near[v] = near[v] || component[v] != component[a];
   Index b = below(random, s.V.rows());
   for (Index tries = 0; near[b] && tries < s.V.rows(); ++tries) b = (b + 1) % static_cast<Index>(s.V.rows());
   Damaged d{s, s, {}, -1};
