@@ -5,8 +5,8 @@
 // same places, each at most as often; only their numbers, the order of their corners, and which corners share
 // a vertex may differ. No coordinate is computed. Vertices and faces keep their order; vertices that were
 // split off come last. A surface that needs no clean-up comes back as it was, to the bit. Same surface: same
-// result, on any number of threads. Everything is decided exactly, on the very doubles; -0 and 0 are one place.
-// Time is near-linear in the size of the surface.
+// result, on any number of threads. Everything is decided exactly, on the very doubles; -0 and 0 are one
+// place. Time is near-linear in the size of the surface.
 #pragma once
 
 #include <array>
@@ -56,17 +56,18 @@ struct Defect {
   DefectKind kind = DefectKind::malformed;
   std::int64_t count = 0;           // of faces, vertices, edges, components or holes, as the kind says
   std::vector<DefectPlace> places;  // the first ones
+  std::string message;              // one sentence, with the first place in numbers of the file
 };
 
 struct CleanupOptions {
-  bool strict = false;  // what would be mended is a problem, too
+  bool strict = false;   // what would be mended is a problem, too
   int most_places = 10;  // of each kind that are listed, 1 to 1000000
 
   Status validate() const;  // Errors: usage.
 };
 
 struct Cleanup {
-  Surface surface;  // cleaned; where there is a problem, as it was given
+  Surface surface;               // cleaned; where there is a problem, as it was given
   std::vector<Defect> defects;   // what was found, in the order of the kinds
   std::optional<Error> problem;  // bad_input: why the surface cannot be cleaned, with its place
   // The given surface's number of each vertex (#V) and face (#F) of the cleaned one. Empty: all are the same.
@@ -88,9 +89,9 @@ Result<Cleanup> clean_up(const Surface& surface, const CleanupOptions& options =
 
 // For a report. source: of the given surface.
 CleanupRecord record_of(const Cleanup& cleaned, const SurfaceSource& source);
-// The map from the cleaned surface to the file, as JSON, each number by itself and counted from 0: `vertices` and
-// `faces` (the file's number of each), `turned` (faces of the surface whose last two corners changed places) and
-// `merged` (pairs: a vertex of the file that is gone, and the surface's vertex that it became).
+// The map from the cleaned surface to the file, as JSON, each number by itself and counted from 0: `vertices`
+// and `faces` (the file's number of each), `turned` (faces of the surface whose last two corners changed
+// places) and `merged` (pairs: a vertex of the file that is gone, and the surface's vertex that it became).
 std::string map_to_json(const Cleanup& cleaned, const SurfaceSource& source);
 
 // Where the cleaned surface's vertices and faces stand in the file.

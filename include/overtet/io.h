@@ -32,7 +32,7 @@ class AtomicFile;  // internal, src/io/file.h
 
 // What a file calls the vertices and faces of the surface that was read from it.
 struct SurfaceSource {
-  Index first = 0;          // the number of the first vertex, and of the first face: 1 in OBJ
+  Index first = 0;                 // the number of the first vertex, and of the first face: 1 in OBJ
   const char* face_word = "face";  // "triangle" in STL
   // The file's vertex of each vertex (#V), its face of each face (#F; more than one where polygons were cut),
   // both counted from 0. Empty: they are the same.

@@ -35,7 +35,8 @@ class PointTable {
         xyz_.insert(xyz_.end(), p.begin(), p.end());
         return slot.number;
       }
-      if (slot.tag == tag && std::memcmp(&xyz_[3 * static_cast<std::size_t>(slot.number)], p.data(), sizeof p) == 0)
+      if (slot.tag == tag &&
+          std::memcmp(&xyz_[3 * static_cast<std::size_t>(slot.number)], p.data(), sizeof p) == 0)
         return slot.number;
     }
   }

@@ -48,8 +48,6 @@ const KindName& words(DefectKind kind) {
   return names[static_cast<int>(kind)];
 }
 
-
-
 // The surface being cleaned: faces that are kept, with the given surface's vertices.
 struct Faces {
   std::vector<Index> kept;  // numbers of the given surface, ascending
@@ -349,13 +347,13 @@ std::string counted(const Defect& d) {
   return std::to_string(d.count) + " " + (d.count == 1 ? name.one : name.many);
 }
 
-void refuse(const Surface& given, const SurfaceSource& source, bool strict, Cleanup& out) {
+void refuse(bool strict, Cleanup& out) {
   const Defect* first = nullptr;
   for (const Defect& d : out.defects)
     if (!is_mended(d.kind) && !first) first = &d;
   if (!first && strict && !out.defects.empty()) first = &out.defects[0];
   if (!first) return;
-  Error error{ErrorCode::bad_input, explain(*first, given, source)};
+  Error error{ErrorCode::bad_input, first->message};
   if (is_mended(first->kind)) error.message.insert(0, "A clean-up is needed, but not allowed. ");
   if (!first->places.empty()) error.place = first->places[0].position;
   out.problem = std::move(error);
@@ -372,7 +370,11 @@ Result<Cleanup> clean(const Surface& given, const CleanupOptions& options, const
     if (Status s = cleaner.run(context, out); !s) return s.error();
     out.defects = cleaner.notes().take();
   }
-  refuse(given, source, options.strict, out);
+  for (Defect& d : out.defects) d.message = explain(d, given, source);
+  if (!is_sane(given))
+    if (const TopologyCheck check = check_topology(given); !check.problems.empty())
+      out.defects[0].message = check.problems.front();
+  refuse(options.strict, out);
   if (out.problem) {
     out.vertex_of.clear(), out.face_of.clear(), out.turned.clear(), out.merged.clear();
     out.surface = given;

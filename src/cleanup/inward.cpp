@@ -62,7 +62,8 @@ struct Component {
 };
 
 // The winding number of the faces that are not in `skip`; none on the surface.
-std::optional<int> winding_of_rest(const exact::Rays& rays, const double* point, const std::vector<Index>& skip) {
+std::optional<int> winding_of_rest(const exact::Rays& rays, const double* point,
+                                   const std::vector<Index>& skip) {
   const exact::Point m(point);
   for (int attempt = 0;; ++attempt) {
     const double d[3] = {1, 0x1p-8 * exact::scatter(2 * attempt), 0x1p-8 * exact::scatter(2 * attempt + 1)};
@@ -90,7 +91,8 @@ class Turning {
           c.box.include({{p[0], p[1], p[2]}, {p[0], p[1], p[2]}});
         }
     }
-    parallel_tasks(count, [&](std::int64_t c) { components_[c].sign = volume_sign(s, components_[c].faces); });
+    parallel_tasks(count,
+                   [&](std::int64_t c) { components_[c].sign = volume_sign(s, components_[c].faces); });
   }
 
   Result<std::vector<Index>> run(const RunContext& context) {
@@ -109,8 +111,8 @@ class Turning {
     }
     std::vector<Index> turned;
     if (Status s = decide(bvh, context, turned); !s) return s.error();
-    const bool sure = std::none_of(turned.begin(), turned.end(),
-                                   [&](Index c) { return components_[c].crosses_itself; });
+    const bool sure =
+        std::none_of(turned.begin(), turned.end(), [&](Index c) { return components_[c].crosses_itself; });
     if (sure) return turned;
     const Result<bool> fine = is_nowhere_negative(bvh, pairs, context);
     if (!fine) return fine.error();
@@ -124,9 +126,8 @@ class Turning {
     const exact::Rays before(surface_.V, surface_.F, bvh), now(surface_.V, F, bvh);
     std::vector<Index> order(components_.size());
     std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) {
-      return components_[a].size() > components_[b].size();
-    });
+    std::stable_sort(order.begin(), order.end(),
+                     [&](Index a, Index b) { return components_[a].size() > components_[b].size(); });
     Box reach{{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};  // of what is turned
     for (const Index c : order) {
       if (auto stop = context.stop()) return *stop;
@@ -149,7 +150,8 @@ class Turning {
   // where none can be asked.
   int least_winding(const exact::Rays& rays, const Component& c, int enough) const {
     std::vector<Index> vertices;
-    for (const Index f : c.faces) vertices.insert(vertices.end(), {surface_.F(f, 0), surface_.F(f, 1), surface_.F(f, 2)});
+    for (const Index f : c.faces)
+      vertices.insert(vertices.end(), {surface_.F(f, 0), surface_.F(f, 1), surface_.F(f, 2)});
     std::sort(vertices.begin(), vertices.end());
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
     if (!c.meets_others) vertices.resize(1);  // all are in one place, as far as the others are concerned

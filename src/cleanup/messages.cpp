@@ -30,8 +30,14 @@ class Names {
     return text + (place_.faces.size() > 3 ? ", ..." : "");
   }
   std::string edge() const {
-    return "edge from " + vertex(0) + " to " + vertex(1) + ", " + position_text(surface_, place_.vertices[0]) +
-           " to " + position_text(surface_, place_.vertices[1]);
+    return "edge from " + vertex(0) + " to " + vertex(1) + ", " +
+           position_text(surface_, place_.vertices[0]) + " to " + position_text(surface_, place_.vertices[1]);
+  }
+  // The first vertices.
+  std::string around() const {
+    std::string text = vertex(0);
+    for (std::size_t i = 1; i < place_.vertices.size() && i < 3; ++i) text += ", " + vertex(i);
+    return text + (place_.edges > 3 ? ", ..." : "");
   }
   std::string at(std::size_t i) const { return position_text(surface_, place_.vertices[i]); }
 
@@ -76,16 +82,17 @@ std::string explain(const Defect& d, const Surface& s, const SurfaceSource& sour
       return "The component of " + n.face(0) + " faces inwards and is no cavity" +
              more(d.count, "component", "components") + ".";
     case DefectKind::hole:
-      return "The surface has a hole of " + std::to_string(p.edges) + (p.edges == 1 ? " edge" : " edges") + ", " +
-             number_text(p.length) + " long, at " + n.vertex(0) + ", " + n.at(0) +
-             (p.vertices.size() > 1 ? ", beside " + n.face(0) : std::string()) + "; it must be closed" +
+      return "The surface has a hole of " + std::to_string(p.edges) + (p.edges == 1 ? " edge" : " edges") +
+             ", " + number_text(p.length) + " long, along " + n.around() + ", from " + n.at(0) +
+             " on, beside " + n.face(0) + "; it must be closed" +
              more(d.count, "hole, no larger", "holes, none of them larger") + ".";
     case DefectKind::odd_edge:
       return "The " + n.edge() + ", is shared by " + std::to_string(p.edges) + " faces (" + n.faces() +
              "); it must be shared by two" + more(d.count, "edge", "edges") + ".";
     case DefectKind::unpaired_edge:
       return "The " + n.edge() + ", is shared by " + std::to_string(p.edges) + " faces (" + n.faces() +
-             ") that cannot be told apart in pairs, because they are not oriented alike or have no area; it must "
+             ") that cannot be told apart in pairs, because they are not oriented alike or have no area; it "
+             "must "
              "be shared by two" +
              more(d.count, "edge", "edges") + ".";
     case DefectKind::one_sided:
@@ -95,7 +102,8 @@ std::string explain(const Defect& d, const Surface& s, const SurfaceSource& sour
     case DefectKind::malformed:
       break;
   }
-  return "The surface has no faces, a coordinate that is not finite, or a face of a vertex that does not exist.";
+  return "The surface has no faces, a coordinate that is not finite, or a face of a vertex that does not "
+         "exist.";
 }
 
 }  // namespace overtet

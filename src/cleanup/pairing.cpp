@@ -11,7 +11,8 @@ namespace overtet {
 namespace {
 
 // A face at the edge from a to b. Going around that by the right-hand rule, the solid begins at a face that
-// opens and ends at one that closes: at one that runs from a to b, for the normal of such a face points ahead.
+// opens and ends at one that closes: at one that runs from a to b, for the normal of such a face points
+// ahead.
 struct Spoke {
   Index half_edge, shell;
   const double* tip;
@@ -46,7 +47,9 @@ class Wheel {
   // Of the line ab. pre: a, b, p and q are coplanar, and neither p nor q is on the line.
   bool same_side(const double* p, const double* q) const {
     for (const auto& [i, j] : {std::pair{0, 1}, {1, 2}, {2, 0}}) {
-      const auto turn = [&, i = i, j = j](const double* x) { return orient2d(a_[i], a_[j], b_[i], b_[j], x[i], x[j]); };
+      const auto turn = [&, i = i, j = j](const double* x) {
+        return orient2d(a_[i], a_[j], b_[i], b_[j], x[i], x[j]);
+      };
       if (const int s = turn(p); s != 0) return turn(q) == s;
     }
     return true;
@@ -94,8 +97,9 @@ bool pair_up(const Wheel& wheel, std::vector<Spoke>& spokes, Pairs& pairs) {
 
 }  // namespace
 
-std::vector<std::array<Index, 2>> pair_around(const VertexMatrix& V, const TriangleMatrix& F, const RawEdges& edges,
-                                              const Oriented& oriented, const EdgeGroup& edge) {
+std::vector<std::array<Index, 2>> pair_around(const VertexMatrix& V, const TriangleMatrix& F,
+                                              const RawEdges& edges, const Oriented& oriented,
+                                              const EdgeGroup& edge) {
   const auto point = [&](Index v) { return V.data() + 3 * std::int64_t{v}; };
   const Index first = edges.list[edge.begin];
   const auto [low, high] =

@@ -18,7 +18,8 @@ namespace overtet {
 // either before or behind it, as brackets open and close; pairs are the brackets that match, in the exact
 // angular order of the faces. So no pair crosses another one, and solids that only touch come apart. Of faces
 // that lie on each other those that close come first.
-std::vector<std::array<Index, 2>> pair_around(const VertexMatrix& V, const TriangleMatrix& F, const RawEdges& edges,
-                                              const Oriented& oriented, const EdgeGroup& edge);
+std::vector<std::array<Index, 2>> pair_around(const VertexMatrix& V, const TriangleMatrix& F,
+                                              const RawEdges& edges, const Oriented& oriented,
+                                              const EdgeGroup& edge);
 
 }  // namespace overtet

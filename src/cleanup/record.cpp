@@ -43,8 +43,10 @@ CleanupRecord record_of(const Cleanup& cleaned, const SurfaceSource& source) {
   for (const Defect& d : cleaned.defects)
     if (is_mended(d.kind)) r.steps.emplace_back(name_of(d.kind), d.count);
   const SurfaceSource now = source_of(cleaned, source);
-  r.vertices = runs_of(static_cast<Index>(cleaned.surface.V.rows()), [&](Index v) { return now.vertex_in_file(v); });
-  r.faces = runs_of(static_cast<Index>(cleaned.surface.F.rows()), [&](Index f) { return now.face_in_file(f); });
+  r.vertices =
+      runs_of(static_cast<Index>(cleaned.surface.V.rows()), [&](Index v) { return now.vertex_in_file(v); });
+  r.faces =
+      runs_of(static_cast<Index>(cleaned.surface.F.rows()), [&](Index f) { return now.face_in_file(f); });
   for (const Index f : cleaned.turned) {
     if (!r.turned.empty() && r.turned.back()[0] + r.turned.back()[1] == f)
       ++r.turned.back()[1];
@@ -57,9 +59,11 @@ CleanupRecord record_of(const Cleanup& cleaned, const SurfaceSource& source) {
 std::string map_to_json(const Cleanup& cleaned, const SurfaceSource& source) {
   const SurfaceSource now = source_of(cleaned, source);
   std::string text = "{\n";
-  list(text, "vertices", static_cast<Index>(cleaned.surface.V.rows()), [&](Index v) { return now.vertex_in_file(v); });
+  list(text, "vertices", static_cast<Index>(cleaned.surface.V.rows()),
+       [&](Index v) { return now.vertex_in_file(v); });
   text += ",\n";
-  list(text, "faces", static_cast<Index>(cleaned.surface.F.rows()), [&](Index f) { return now.face_in_file(f); });
+  list(text, "faces", static_cast<Index>(cleaned.surface.F.rows()),
+       [&](Index f) { return now.face_in_file(f); });
   text += ",\n";
   list(text, "turned", static_cast<Index>(cleaned.turned.size()), [&](Index i) { return cleaned.turned[i]; });
   text += ",\n  \"merged\": [";

@@ -25,8 +25,8 @@ struct Copy {
 
 // What is left of a patch, for each way.
 struct Remains {
-  std::array<Index, ways> odd{};        // edges with an odd number of faces
-  std::array<Index, ways> not_two{};    // edges with another number than two
+  std::array<Index, ways> odd{};      // edges with an odd number of faces
+  std::array<Index, ways> not_two{};  // edges with another number than two
   bool both_orientations = false;
 };
 
@@ -41,7 +41,8 @@ class Patches {
     join_sets();
     look_at_edges();
     std::vector<Index> drop;
-    for (std::size_t s = 0; s < sets_.size(); ++s) drop_from(s, way_of(patch_.root(static_cast<Index>(s))), drop);
+    for (std::size_t s = 0; s < sets_.size(); ++s)
+      drop_from(s, way_of(patch_.root(static_cast<Index>(s))), drop);
     std::sort(drop.begin(), drop.end());
     return drop;
   }
@@ -127,9 +128,8 @@ class Patches {
   Keep way_of(Index patch) {
     const Remains& r = remains_[patch];
     const Index least = *std::min_element(r.odd.begin(), r.odd.end());
-    if (r.odd[one_copy] == least &&
-        (!r.both_orientations || r.odd[one_of_each_orientation] != least ||
-         (r.not_two[one_copy] == 0 && !is_surrounded(patch))))
+    if (r.odd[one_copy] == least && (!r.both_orientations || r.odd[one_of_each_orientation] != least ||
+                                     (r.not_two[one_copy] == 0 && !is_surrounded(patch))))
       return one_copy;
     return r.odd[one_of_each_orientation] == least ? one_of_each_orientation : all_copies;
   }
@@ -173,7 +173,8 @@ std::array<Index, 3> in_order(Index a, Index b, Index c) {
   return {a, b, c};
 }
 
-// Faces in places that others have, too: of each face the set it belongs to, or -1; sets have two members or more.
+// Faces in places that others have, too: of each face the set it belongs to, or -1; sets have two members or
+// more.
 struct Places {
   std::vector<Index> set_of, left;  // left: of each set, how many are not dropped
 
@@ -187,7 +188,8 @@ struct Places {
       auto operator<=>(const Face&) const = default;
     };
     std::vector<Face> all(F.rows());
-    for (Index f = 0; f < F.rows(); ++f) all[f] = {in_order(point[F(f, 0)], point[F(f, 1)], point[F(f, 2)]), f};
+    for (Index f = 0; f < F.rows(); ++f)
+      all[f] = {in_order(point[F(f, 0)], point[F(f, 1)], point[F(f, 2)]), f};
     parallel_sort_groups(all, V.rows(), [](const Face& f) { return f.corners[0]; });
     for (std::size_t i = 0, j = 0; i < all.size(); i = j) {
       for (j = i + 1; j < all.size() && all[j].corners == all[i].corners;) ++j;
@@ -201,7 +203,8 @@ struct Places {
 }  // namespace
 
 std::vector<Index> loose_copies(const VertexMatrix& V, const TriangleMatrix& F, const RawEdges& edges) {
-  if (std::none_of(edges.others.begin(), edges.others.end(), [](const EdgeGroup& g) { return g.count % 2 == 1; }))
+  if (std::none_of(edges.others.begin(), edges.others.end(),
+                   [](const EdgeGroup& g) { return g.count % 2 == 1; }))
     return {};
   Places places(V, F);
   if (places.left.empty()) return {};
@@ -209,7 +212,8 @@ std::vector<Index> loose_copies(const VertexMatrix& V, const TriangleMatrix& F, 
   const auto listed = static_cast<Index>(edges.list.size());
   std::vector<Index> edge_of(3 * F.rows());
   std::vector<char> odd(edges.list.size(), 0);
-  for (Index h = 0; h < 3 * F.rows(); ++h) edge_of[h] = edges.partner[h] < 0 ? 0 : listed + std::min(h, edges.partner[h]);
+  for (Index h = 0; h < 3 * F.rows(); ++h)
+    edge_of[h] = edges.partner[h] < 0 ? 0 : listed + std::min(h, edges.partner[h]);
   for (const EdgeGroup& g : edges.others) {
     odd[g.begin] = g.count % 2 == 1;
     for (Index i = g.begin; i < g.begin + g.count; ++i) edge_of[edges.list[i]] = g.begin;

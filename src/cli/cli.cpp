@@ -40,11 +40,13 @@ void add_common(CLI::App& command, CommonOptions& o) {
 }
 
 void add_cleaning(CLI::App& command, InputOptions& o) {
-  command.add_flag("--strict", o.strict,
-                   "Refuse a surface that needs a clean-up (equal corners merged, what is there twice or unused "
-                   "dropped, faces oriented alike, ...) instead of cleaning it");
-  command.add_option("--save-map", o.save_map,
-                     "Write the numbers that the vertices and faces of the cleaned surface have in the file: JSON");
+  command.add_flag(
+      "--strict", o.strict,
+      "Refuse a surface that needs a clean-up (equal corners merged, what is there twice or unused "
+      "dropped, faces oriented alike, ...) instead of cleaning it");
+  command.add_option(
+      "--save-map", o.save_map,
+      "Write the numbers that the vertices and faces of the cleaned surface have in the file: JSON");
   command.add_option("--save-cleaned", o.save_cleaned, "Write the cleaned surface: .off, .obj or .ply");
 }
 

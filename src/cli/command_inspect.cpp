@@ -98,16 +98,30 @@ std::string text_of(const std::array<double, 3>& p) {
 
 std::array<double, 3> position(const Surface& s, Index v) { return {s.V(v, 0), s.V(v, 1), s.V(v, 2)}; }
 
+// Numbers as the file counts, and the lines of a text.
+Json to_json(const DefectPlace& p, const SurfaceSource& source) {
+  Json place = {{"position", p.position}, {"vertices", Json::array()}, {"faces", Json::array()}};
+  const auto add = [&](const char* numbers, const char* lines, Index in_file, const auto& line_of) {
+    place[numbers].push_back(in_file + source.first);
+    if (!line_of.empty()) place[lines].push_back(line_of[static_cast<std::size_t>(in_file)]);
+  };
+  for (const Index v : p.vertices)
+    add("vertices", "vertex_lines", source.vertex_in_file(v), source.vertex_line);
+  for (const Index f : p.faces) add("faces", "face_lines", source.face_in_file(f), source.face_line);
+  return place;
+}
+
 Json to_json(const Defect& d, const InputSurface& input) {
-  const SurfaceSource& source = input.info.source;
-  Json j = {{"kind", name_of(d.kind)}, {"count", d.count}, {"mended", is_mended(d.kind) && !input.cleanup.problem}};
+  Json j = {{"kind", name_of(d.kind)},
+            {"count", d.count},
+            {"mended", is_mended(d.kind) && !input.cleanup.problem},
+            {"message", d.message}};
   j["places"] = Json::array();
   for (const DefectPlace& p : d.places) {
-    Json place = {{"position", p.position}, {"vertices", Json::array()}, {"faces", Json::array()}};
-    for (const Index v : p.vertices) place["vertices"].push_back(source.vertex_in_file(v) + source.first);
-    for (const Index f : p.faces) place["faces"].push_back(source.face_in_file(f) + source.first);
-    if (d.kind == DefectKind::hole) place["edges"] = p.edges, place["length"] = p.length;
-    j["places"].push_back(place);
+    j["places"].push_back(to_json(p, input.info.source));
+    if (d.kind != DefectKind::hole) continue;
+    j["places"].back()["edges"] = p.edges;
+    j["places"].back()["length"] = p.length;
   }
   return j;
 }
@@ -255,8 +269,9 @@ void print(const Findings& f) {
   const SurfaceDiagnosis& d = f.diagnosis;
   std::printf("file        %s\n", f.info.format.c_str());
   for (const std::string& note : f.info.notes) std::printf("note        %s\n", note.c_str());
-  if (const std::string done = f.input.cleanup.summary(); !done.empty())
-    std::printf("clean-up    %s\n", done.c_str());
+  for (const Defect& defect : f.input.cleanup.defects)
+    std::printf("%s      %s\n", is_mended(defect.kind) && !f.input.cleanup.problem ? "mended" : "defect",
+                defect.message.c_str());
   std::printf("size        %d vertices, %d faces\n", d.vertices, d.faces);
   std::printf("closed      %s\nmanifold    %s\noriented    %s\n", yes(d.closed), yes(d.manifold),
               yes(d.oriented));
@@ -322,8 +337,7 @@ int run(const InspectCommand& command, const CommonOptions& common, Terminal& te
     if (Status s = write_curves(command.save_curves, diagnosis.curves, format, context); !s)
       return fail(terminal, s.error());
   terminal.clear();
-  const Findings findings{input,     input.surface(), input.info,
-                          diagnosis, command.pairs,   command.curves};
+  const Findings findings{input, input.surface(), input.info, diagnosis, command.pairs, command.curves};
   if (command.json)
     std::puts(to_json(findings).dump(2, ' ', false, Json::error_handler_t::replace).c_str());
   else

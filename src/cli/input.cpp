@@ -19,7 +19,8 @@ Status save(const InputOptions& options, const InputSurface& input, const RunCon
 
 Error InputSurface::in_file(Error error) const {
   if (error.face < 0 || error.face >= surface().F.rows()) return error;
-  if (source.face_in_file(error.face) == error.face && source.first == 0 && source.face_line.empty()) return error;
+  if (source.face_in_file(error.face) == error.face && source.first == 0 && source.face_line.empty())
+    return error;
   error.message += " In the file it is " + source.face_name(error.face) + ".";
   return error;
 }
@@ -28,10 +29,12 @@ Result<InputSurface> load(const std::string& path, const InputOptions& options, 
                           Terminal& terminal) {
   for (const std::string& file : {options.save_map, options.save_cleaned})
     if (!file.empty() && (file == path || options.save_map == options.save_cleaned))
-      return Error{ErrorCode::usage, "What is to be saved of the clean-up would overwrite the input, or itself; "
-                                     "choose another name."};
+      return Error{ErrorCode::usage,
+                   "What is to be saved of the clean-up would overwrite the input, or itself; "
+                   "choose another name."};
   if (!options.save_cleaned.empty())
-    if (const Result<SurfaceFormat> format = surface_format_of(options.save_cleaned); !format) return format.error();
+    if (const Result<SurfaceFormat> format = surface_format_of(options.save_cleaned); !format)
+      return format.error();
   InputSurface input;
   Result<Surface> read = read_surface(path, &input.info, context);
   if (!read) return read.error();

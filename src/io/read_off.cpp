@@ -15,7 +15,8 @@ Status check_variant(std::string_view name, std::string_view word) {
   }
   if (rest == "OFF" || word == "off") return success();
   if (rest == "4OFF" || rest == "nOFF" || rest == "4nOFF")
-    return malformed(name, quoted(word) + " is a surface in another dimension; Overtet reads three coordinates a vertex");
+    return malformed(
+        name, quoted(word) + " is a surface in another dimension; Overtet reads three coordinates a vertex");
   return malformed(name, quoted(word) + " is not a variant of OFF that Overtet reads");
 }
 
@@ -63,7 +64,8 @@ bool read_face(TextCursor& in, std::int64_t f, std::int64_t vertices, Polygons& 
     out.corners.push_back(static_cast<Index>(v));
   }
   if (in.line() != line && !in.at_line_end())
-    return in.fail_at(line, "a number is missing, or the line that the face ends on goes on (" + which() + ")");
+    return in.fail_at(line,
+                      "a number is missing, or the line that the face ends on goes on (" + which() + ")");
   out.sizes.push_back(static_cast<Index>(size));
   in.next_line();
   return true;

@@ -161,7 +161,8 @@ bool index_list(const Element& face, const Property& p) {
     return q.list && (q.name == "vertex_indices" || q.name == "vertex_index");
   };
   if (std::any_of(face.properties.begin(), face.properties.end(), named)) return named(p);
-  return std::count_if(face.properties.begin(), face.properties.end(), [](const Property& q) { return q.list; }) == 1;
+  return std::count_if(face.properties.begin(), face.properties.end(),
+                       [](const Property& q) { return q.list; }) == 1;
 }
 
 Status read_body(Source& in, const std::vector<Element>& elements, Polygons& out) {
@@ -183,8 +184,10 @@ Status read_body(Source& in, const std::vector<Element>& elements, Polygons& out
       out.sizes.reserve(static_cast<std::size_t>(e.count));
       out.corners.reserve(static_cast<std::size_t>(3 * e.count));
     }
-    std::vector<std::uint32_t>* const lines =
-        in.line() == 0 ? nullptr : is_vertex ? &out.vertex_line : is_face ? &out.face_line : nullptr;
+    std::vector<std::uint32_t>* const lines = in.line() == 0 ? nullptr
+                                              : is_vertex    ? &out.vertex_line
+                                              : is_face      ? &out.face_line
+                                                             : nullptr;
     for (std::int64_t n = 0; n < e.count; ++n) {
       in.number = n;
       if (!in.begin_element()) return in.error;

@@ -20,11 +20,27 @@ std::uint32_t little_u32(const char* p) {
   return x;
 }
 
-// The next word, in small letters.
-std::string keyword(TextCursor& in) {
-  std::string key(in.token().substr(0, 16));
-  std::transform(key.begin(), key.end(), key.begin(), [](unsigned char c) { return std::tolower(c); });
-  return key;
+enum class Keyword { vertex, facet, endfacet, outer, endloop, solid, endsolid, end, other };
+
+// Of the next word, in letters of any size.
+Keyword keyword(std::string_view word) {
+  constexpr std::pair<std::string_view, Keyword> names[] = {
+      {"vertex", Keyword::vertex},     {"facet", Keyword::facet},
+      {"outer", Keyword::outer},       {"endloop", Keyword::endloop},
+      {"endfacet", Keyword::endfacet}, {"solid", Keyword::solid},
+      {"endsolid", Keyword::endsolid}, {"end", Keyword::end}};
+  for (const auto& [name, key] : names)
+    if (name.size() == word.size() &&
+        std::equal(name.begin(), name.end(), word.begin(), [](char a, char b) { return a == (b | 0x20); }))
+      return key;
+  return Keyword::other;
+}
+
+// "end" is followed by what ends: "end solid" is "endsolid" to some.
+Keyword end_of(Keyword what) {
+  return what == Keyword::facet   ? Keyword::endfacet
+         : what == Keyword::solid ? Keyword::endsolid
+                                  : Keyword::endloop;
 }
 
 }  // namespace
@@ -76,13 +92,14 @@ Result<Polygons> parse_ascii_stl(std::string_view name, std::string_view bytes, 
   int corners = 0;
   bool inside = false;  // of a facet
   while (in.to_token()) {
-    std::string key = keyword(in);
-    if (key == "end" && !in.at_line_end()) key += keyword(in);  // "end solid"
+    const std::string_view word = in.token();
+    Keyword key = keyword(word);
+    if (key == Keyword::end && !in.at_line_end()) key = end_of(keyword(in.token()));
     const auto bad = [&](const std::string& what) {
       in.fail(what + " (triangle " + std::to_string(out.sizes.size()) + ")");
       return in.error();
     };
-    if (key == "vertex") {
+    if (key == Keyword::vertex) {
       if (!inside || corners == 3)
         return bad(inside ? "a triangle must have three corners" : "a vertex stands outside a facet");
       std::array<double, 3> x;
@@ -94,17 +111,17 @@ Result<Polygons> parse_ascii_stl(std::string_view name, std::string_view bytes, 
       if (static_cast<std::size_t>(table.size()) > out.vertex_line.size())
         out.vertex_line.push_back(static_cast<std::uint32_t>(in.line()));
       ++corners;
-    } else if (key == "facet") {
+    } else if (key == Keyword::facet) {
       if (inside) return bad("a facet begins before the previous one has ended");
       inside = true;
       corners = 0;
       out.face_line.push_back(static_cast<std::uint32_t>(in.line()));
-    } else if (key == "endfacet") {
+    } else if (key == Keyword::endfacet) {
       if (!inside || corners != 3) return bad("a triangle must have three corners");
       out.sizes.push_back(3);
       inside = false;
-    } else if (key != "outer" && key != "endloop" && key != "solid" && key != "endsolid") {
-      return bad(quoted(key) + " is not an STL keyword");
+    } else if (key == Keyword::other || key == Keyword::end) {
+      return bad(quoted(word) + " is not an STL keyword");
     }
     in.next_line();
   }

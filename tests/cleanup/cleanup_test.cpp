@@ -55,21 +55,24 @@ int winding_max(const Surface& s) {
 }
 
 TEST(Cleanup, LeavesCleanSurfacesAsTheyAre) {
-  for (const Surface& s : {test::sphere(), test::torus(), test::two_spheres(), test::sphere_with_cavity(), test::elbow(),
-                           test::curled_worm(), test::saucer(), test::mirrored_folds(), joined(test::box(), test::box()),
-                           joined(test::box(), shifted(test::box(), 1, 0, 0))}) {
+  for (const Surface& s :
+       {test::sphere(), test::torus(), test::two_spheres(), test::sphere_with_cavity(), test::elbow(),
+        test::curled_worm(), test::saucer(), test::mirrored_folds(), joined(test::box(), test::box()),
+        joined(test::box(), shifted(test::box(), 1, 0, 0))}) {
     const Cleanup c = cleaned(s);
     EXPECT_FALSE(c.changed()) << c.summary();
     EXPECT_FALSE(c.problem);
     EXPECT_TRUE(c.defects.empty());
-    EXPECT_EQ(std::memcmp(c.surface.V.data(), s.V.data(), sizeof(double) * static_cast<std::size_t>(s.V.size())), 0);
+    EXPECT_EQ(
+        std::memcmp(c.surface.V.data(), s.V.data(), sizeof(double) * static_cast<std::size_t>(s.V.size())),
+        0);
     EXPECT_EQ(c.surface.F, s.F);
     EXPECT_EQ(c.summary(), "");
   }
 }
 
-// Solids that touch in an edge, a face, or a part of a face come apart, merged as a file without vertex numbers
-// merges them.
+// Solids that touch in an edge, a face, or a part of a face come apart, merged as a file without vertex
+// numbers merges them.
 TEST(Cleanup, SolidsThatTouchComeApart) {
   const Surface box = test::box(2);
   for (const Surface& other : {shifted(box, 1, 1, 0), shifted(box, 1, 0, 0), shifted(box, 1, 0.5, 0),
@@ -108,8 +111,10 @@ TEST(Cleanup, BoxesAroundAnEdgeComeApart) {
 
 // One solid that touches itself in an edge: a ring of boxes whose last one meets the first only there.
 TEST(Cleanup, ASolidThatTouchesItselfIsOpenedThere) {
-  // An L of three cells, and a fourth one that touches the first along an edge: made of the cells' outer faces.
-  const int cells[][3] = {{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {1, 1, 0}};  // (0,0,0) and (1,1,0) share an edge
+  // An L of three cells, and a fourth one that touches the first along an edge: made of the cells' outer
+  // faces.
+  const int cells[][3] = {
+      {0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {1, 1, 0}};  // (0,0,0) and (1,1,0) share an edge
   std::map<std::array<int, 3>, bool> filled;
   for (const auto& c : cells) filled[{c[0], c[1], c[2]}] = true;
   std::map<std::array<int, 3>, Index> number;
@@ -138,7 +143,8 @@ TEST(Cleanup, ASolidThatTouchesItselfIsOpenedThere) {
         faces.push_back({q[0], q[1], q[2]});
         faces.push_back({q[0], q[2], q[3]});
       }
-  Surface s{VertexMatrix(static_cast<Index>(points.size()), 3), TriangleMatrix(static_cast<Index>(faces.size()), 3)};
+  Surface s{VertexMatrix(static_cast<Index>(points.size()), 3),
+            TriangleMatrix(static_cast<Index>(faces.size()), 3)};
   for (Index v = 0; v < s.V.rows(); ++v) s.V.row(v) << points[v][0], points[v][1], points[v][2];
   for (Index f = 0; f < s.F.rows(); ++f) s.F.row(f) << faces[f][0], faces[f][1], faces[f][2];
   const Cleanup c = cleaned(s);
@@ -185,15 +191,15 @@ TEST(Cleanup, CavitiesAreToldFromComponentsThatFaceInwards) {
   const Surface out = test::sphere(1), in = test::flipped(test::sphere(1, 0.5)), deep = test::sphere(1, 0.25);
   const double volume = test::signed_volume(out);
   const auto turned = [&](const Surface& s) { return count_of(cleaned(s), DefectKind::inward_component); };
-  EXPECT_EQ(turned(joined(out, in)), 0);                                     // a cavity
-  EXPECT_EQ(turned(joined(joined(out, in), deep)), 0);                       // with something in it
-  EXPECT_EQ(turned(joined(out, test::flipped(in))), 0);                      // a solid in a solid
-  EXPECT_EQ(turned(joined(test::flipped(out), in)), 1);                      // the outer one only
-  EXPECT_EQ(turned(test::flipped(joined(out, in))), 2);                      // the whole model
-  EXPECT_EQ(turned(test::flipped(joined(joined(out, in), deep))), 3);        // the same, with something in it
-  EXPECT_EQ(turned(joined(joined(out, in), test::flipped(deep))), 1);        // what is in it only
-  EXPECT_EQ(turned(joined(out, shifted(in, 2, 0, 0))), 1);                   // beside, not inside
-  EXPECT_EQ(turned(joined(out, shifted(in, 0.8, 0, 0))), 1);                 // half inside
+  EXPECT_EQ(turned(joined(out, in)), 0);                               // a cavity
+  EXPECT_EQ(turned(joined(joined(out, in), deep)), 0);                 // with something in it
+  EXPECT_EQ(turned(joined(out, test::flipped(in))), 0);                // a solid in a solid
+  EXPECT_EQ(turned(joined(test::flipped(out), in)), 1);                // the outer one only
+  EXPECT_EQ(turned(test::flipped(joined(out, in))), 2);                // the whole model
+  EXPECT_EQ(turned(test::flipped(joined(joined(out, in), deep))), 3);  // the same, with something in it
+  EXPECT_EQ(turned(joined(joined(out, in), test::flipped(deep))), 1);  // what is in it only
+  EXPECT_EQ(turned(joined(out, shifted(in, 2, 0, 0))), 1);             // beside, not inside
+  EXPECT_EQ(turned(joined(out, shifted(in, 0.8, 0, 0))), 1);           // half inside
   const Cleanup c = cleaned(test::flipped(joined(out, in)));
   EXPECT_LT(test::signed_volume(c.surface), volume);
   EXPECT_EQ(winding_max(c.surface), 1);

@@ -16,7 +16,9 @@ namespace {
 
 using Random = std::mt19937_64;
 
-Index below(Random& random, Eigen::Index n) { return static_cast<Index>(random() % static_cast<std::uint64_t>(n)); }
+Index below(Random& random, Eigen::Index n) {
+  return static_cast<Index>(random() % static_cast<std::uint64_t>(n));
+}
 
 std::vector<Index> some_faces(const Surface& s, Eigen::Index n, Random& random) {
   std::vector<Index> all(s.F.rows());
@@ -110,7 +112,8 @@ Damaged first_component_turned(const Surface& s, Random&) {
 Damaged with_faces(const Surface& s, const std::vector<std::array<Index, 3>>& more, Random& random) {
   std::vector<std::array<Index, 3>> all;
   for (Index f = 0; f < s.F.rows(); ++f) all.push_back({s.F(f, 0), s.F(f, 1), s.F(f, 2)});
-  for (const auto& f : more) all.insert(all.begin() + below(random, static_cast<Eigen::Index>(all.size()) + 1), f);
+  for (const auto& f : more)
+    all.insert(all.begin() + below(random, static_cast<Eigen::Index>(all.size()) + 1), f);
   Damaged d{{s.V, TriangleMatrix(static_cast<Eigen::Index>(all.size()), 3)}, s, {}, -1};
   for (std::size_t f = 0; f < all.size(); ++f)
     for (int k = 0; k < 3; ++k) d.given.F(static_cast<Index>(f), k) = all[f][k];
@@ -129,7 +132,8 @@ Damaged repeated(const Surface& s, Random& random) {
 // Copies that run the other way.
 Damaged repeated_and_turned(const Surface& s, Random& random) {
   std::vector<std::array<Index, 3>> more;
-  for (const Index f : some_faces(s, s.F.rows() / 9, random)) more.push_back({s.F(f, 0), s.F(f, 2), s.F(f, 1)});
+  for (const Index f : some_faces(s, s.F.rows() / 9, random))
+    more.push_back({s.F(f, 0), s.F(f, 2), s.F(f, 1)});
   return with_faces(s, more, random);
 }
 
@@ -156,7 +160,10 @@ Damaged unused(const Surface& s, Random& random) {
 
 // Two vertices far from each other become one.
 Damaged pinched(const Surface& s, Random& random) {
-  const Index a = below(random, s.V.rows());
+  // Of the last component: a dent in another one would let its cavity out.
+  const std::vector<int> component = components(s);
+  Index a = below(random, s.V.rows());
+  while (component[a] != component.back()) a = (a + 1) % static_cast<Index>(s.V.rows());
   std::vector<char> near(s.V.rows(), 0);
   for (int ring = 0; ring < 4; ++ring) {
     std::vector<char> next = near;
@@ -167,8 +174,6 @@ Damaged pinched(const Surface& s, Random& random) {
           for (int j = 0; j < 3; ++j) next[s.F(f, j)] = 1;
     near = next;
   }
-  // Of the same component: what is pulled out of a cavity is none any more.
-  const std::vector<int> component = components(s);
   for (Index v = 0; v < s.V.rows(); ++v) near[v] = near[v] || component[v] != component[a];
   Index b = below(random, s.V.rows());
   for (Index tries = 0; near[b] && tries < s.V.rows(); ++tries) b = (b + 1) % static_cast<Index>(s.V.rows());
@@ -215,7 +220,8 @@ Damaged third_face(const Surface& s, Random& random) {
 
 Damaged everything(const Surface& s, Random& random) {
   Damaged d = some_turned(s, random);
-  for (const auto damage : {repeated, repeated_corners, seams, unused}) d.given = damage(d.given, random).given;
+  for (const auto damage : {repeated, repeated_corners, seams, unused})
+    d.given = damage(d.given, random).given;
   return d;
 }
 
@@ -279,7 +285,8 @@ bool is_manifold(const Surface& s) {
 
 std::string wrong_with_maps(const Cleanup& c, const Surface& given) {
   const Surface& s = c.surface;
-  if (c.vertex_of.empty() ? s.V.rows() != given.V.rows() : static_cast<Index>(c.vertex_of.size()) != s.V.rows())
+  if (c.vertex_of.empty() ? s.V.rows() != given.V.rows()
+                          : static_cast<Index>(c.vertex_of.size()) != s.V.rows())
     return "the map of vertices has another size";
   if (c.face_of.empty() ? s.F.rows() != given.F.rows() : static_cast<Index>(c.face_of.size()) != s.F.rows())
     return "the map of faces has another size";
@@ -296,7 +303,8 @@ std::string wrong_with_maps(const Cleanup& c, const Surface& given) {
         return "face " + std::to_string(f) + " is not the one that the map says";
   }
   for (const auto& [from, to] : c.merged)
-    if (given.V.row(from) != s.V.row(to)) return "vertex " + std::to_string(from) + " was merged with another place";
+    if (given.V.row(from) != s.V.row(to))
+      return "vertex " + std::to_string(from) + " was merged with another place";
   return {};
 }
 

@@ -13,9 +13,9 @@ namespace overtet::test {
 
 struct Damaged {
   Surface given;
-  Surface right;                          // but for the numbers of vertices, and where the corners of a face begin
-  std::optional<DefectKind> beyond;       // what cannot be mended, if anything: no surface is right then
-  std::int64_t count = -1;                // of it; -1: not known
+  Surface right;                     // but for the numbers of vertices, and where the corners of a face begin
+  std::optional<DefectKind> beyond;  // what cannot be mended, if anything: no surface is right then
+  std::int64_t count = -1;           // of it; -1: not known
 };
 
 struct Damage {
@@ -33,9 +33,9 @@ struct NamedSurface {
 };
 std::vector<NamedSurface> surfaces_to_damage();
 
-// What is wrong: the cleaned surface's faces are not those of the right one (in the same places, with the same
-// orientation), it has another number of vertices, it is not closed, oriented and manifold, or its maps are wrong.
-// Empty where it is right.
+// What is wrong: the cleaned surface's faces are not those of the right one (in the same places, with the
+// same orientation), it has another number of vertices, it is not closed, oriented and manifold, or its maps
+// are wrong. Empty where it is right.
 std::string wrong_with(const Cleanup& cleaned, const Damaged& damaged);
 
 }  // namespace overtet::test

@@ -1,4 +1,5 @@
-// The program on files as people have them: each is meshed after an announced clean-up, or refused with its place.
+// The program on files as people have them: each is meshed after an announced clean-up, or refused with its
+// place.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,10 +20,13 @@ using test::ShellResult;
 class RawFiles : public ::testing::Test {
  protected:
   void TearDown() override { EXPECT_EQ(test::wrong_with_reports(test::reports_in(folder_.path())), ""); }
-  static ShellResult run(const std::string& arguments) { return shell(std::string(OVERTET_PROGRAM) + " " + arguments); }
+  static ShellResult run(const std::string& arguments) {
+    return shell(std::string(OVERTET_PROGRAM) + " " + arguments);
+  }
   static std::string at(const char* name) { return std::string(OVERTET_CASES) + "/" + name; }
 
-  // Meshed, and `verify` agrees; `says` is announced. What was done is in the report, and --strict refuses it.
+  // Meshed, and `verify` agrees; `says` is announced. What was done is in the report, and --strict refuses
+  // it.
   json expect_meshed(const std::string& path, const char* says) {
     const std::string mesh = folder_.file("o.mesh");
     const ShellResult made = run("mesh " + path + " -o " + mesh + " --report " + folder_.file("r.json"));
@@ -43,7 +47,9 @@ class RawFiles : public ::testing::Test {
 
 TEST_F(RawFiles, UnweldedObjIsMerged) { expect_meshed(at("unwelded.obj"), "16 vertices merged"); }
 TEST_F(RawFiles, UnweldedPlyIsMerged) { expect_meshed(at("unwelded.ply"), "16 vertices merged"); }
-TEST_F(RawFiles, UnusedVerticesAreDropped) { expect_meshed(at("unreferenced.obj"), "1 unused vertex dropped"); }
+TEST_F(RawFiles, UnusedVerticesAreDropped) {
+  expect_meshed(at("unreferenced.obj"), "1 unused vertex dropped");
+}
 TEST_F(RawFiles, FacesWithTwoEqualCornersAreDropped) {
   expect_meshed(at("repeated_corner.stl"), "two equal corners dropped");
 }
@@ -65,7 +71,9 @@ TEST_F(RawFiles, BoxesThatShareAVertexComeApart) {
   EXPECT_EQ(expect_meshed(at("stl_pinch.stl"), "1 vertex between several fans")["components"], 2);
 }
 TEST_F(RawFiles, BoxesThatTouchInAVertexStayAsTheyAre) { expect_meshed(at("stl_pinch.obj"), ""); }
-TEST_F(RawFiles, ASurfaceThatFacesInwardsIsTurned) { expect_meshed(at("inside_out.off"), "faced inwards turned"); }
+TEST_F(RawFiles, ASurfaceThatFacesInwardsIsTurned) {
+  expect_meshed(at("inside_out.off"), "faced inwards turned");
+}
 TEST_F(RawFiles, AComponentThatFacesInwardsIsTurned) {
   const json input = expect_meshed(at("one_inside_out.off"), "1 component that faced inwards turned");
   EXPECT_EQ(input["clean_up"]["turned"], json::parse("[[12, 12]]"));
@@ -73,10 +81,11 @@ TEST_F(RawFiles, AComponentThatFacesInwardsIsTurned) {
 }
 
 TEST_F(RawFiles, AHoleIsNamedWithItsSizeAndPlace) {
-  const ShellResult r = run("mesh " + at("one_face_missing.off") + " -o " + folder_.file("o.mesh") + " --report " +
-                            folder_.file("r.json"));
+  const ShellResult r = run("mesh " + at("one_face_missing.off") + " -o " + folder_.file("o.mesh") +
+                            " --report " + folder_.file("r.json"));
   EXPECT_EQ(r.exit_code, 3);
-  for (const char* part : {"hole of 3 edges", "3.41421 long", "line 3", "(0, 0, 0)"})
+  for (const char* part :
+       {"hole of 3 edges", "3.41421 long", "vertex 0 (line 3)", "vertex 2 (line 5)", "(0, 0, 0)"})
     EXPECT_NE(r.err.find(part), std::string::npos) << r.err;
   const ShellResult seen = run("inspect --json " + at("one_face_missing.off"));
   EXPECT_EQ(seen.exit_code, 3);
@@ -88,8 +97,10 @@ TEST_F(RawFiles, AHoleIsNamedWithItsSizeAndPlace) {
 
 // The map and the cleaned surface that are saved belong together and to the file.
 TEST_F(RawFiles, TheMapLeadsBackToTheFile) {
-  const std::string map = folder_.file("map"), clean = folder_.file("clean.off"), mesh = folder_.file("o.mesh");
-  const ShellResult r = run("mesh " + at("unwelded.obj") + " -o " + mesh + " --save-map " + map + " --save-cleaned " + clean);
+  const std::string map = folder_.file("map"), clean = folder_.file("clean.off"),
+                    mesh = folder_.file("o.mesh");
+  const ShellResult r =
+      run("mesh " + at("unwelded.obj") + " -o " + mesh + " --save-map " + map + " --save-cleaned " + clean);
   ASSERT_EQ(r.exit_code, 0) << r.err;
   EXPECT_EQ(run("verify --strict " + clean + " " + mesh).exit_code, 0);
   const Result<Surface> cleaned = read_surface(clean), raw = read_surface(at("unwelded.obj"));

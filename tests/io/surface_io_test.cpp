@@ -259,7 +259,8 @@ TEST(SurfaceIo, OffFacesMayTakeSeveralLines) {
 
 TEST(SurfaceIo, VariantsOfOffAreRead) {
   const std::string faces = kFaces0;
-  expect_tetrahedron(read("a.off", "NOFF\n4 4 0\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n0 0 1 0 0 1\n" + faces));
+  expect_tetrahedron(
+      read("a.off", "NOFF\n4 4 0\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n0 0 1 0 0 1\n" + faces));
   expect_tetrahedron(read("a.off", "STOFF\n4 4 0\n0 0 0 0 1\n1 0 0 0 1\n0 1 0 0 1\n0 0 1 0 1\n" + faces));
   expect_tetrahedron(read("a.off", "NCOFF 4 4 0\n0 0 0 9\n1 0 0 9\n0 1 0 9\n0 0 1 9\n" + faces));
   expect_tetrahedron(read("a.off", std::string("off\n4 4 0\n") + kTetrahedron + faces));
@@ -287,23 +288,27 @@ TEST(SurfaceIo, LinesMayEndWithACarriageReturnAlone) {
 }
 
 TEST(SurfaceIo, ObjLinesMayBeVeryLongOrGoOn) {
-  std::string obj = "# " + std::string(3000000, 'x') + "\nv 0 0 0\nv 1 \\\n 0 0\nv 0 1 0\nv 0 0 1\nf 1 \\\r\n3 2\nf 1";
+  std::string obj =
+      "# " + std::string(3000000, 'x') + "\nv 0 0 0\nv 1 \\\n 0 0\nv 0 1 0\nv 0 0 1\nf 1 \\\r\n3 2\nf 1";
   obj += std::string(1000000, ' ') + "2 4\nf 2 3 4\nf -4 -1 -2\n";
   expect_tetrahedron(read("a.obj", obj));
 }
 
 TEST(SurfaceIo, PlyMayHaveMoreValuesAndAnyTypesOfLists) {
-  const std::string head = "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n";
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n";
   SurfaceReadInfo info;
-  expect_tetrahedron(read("a.ply",
-                          head + "element face 4\nproperty list uchar int vertex_indices\nend_header\n0 0 0 1\n1 0 0 1\n"
-                                 "0 1 0\n0 0 1\n3 0 2 1 255 0 0\n3 0 1 3\n3 1 2 3\n3 0 3 2\n",
-                          &info));
+  expect_tetrahedron(
+      read("a.ply",
+           head + "element face 4\nproperty list uchar int vertex_indices\nend_header\n0 0 0 1\n1 0 0 1\n"
+                  "0 1 0\n0 0 1\n3 0 2 1 255 0 0\n3 0 1 3\n3 1 2 3\n3 0 3 2\n",
+           &info));
   ASSERT_EQ(info.notes.size(), 1u);
   EXPECT_NE(info.notes[0].find("line 10"), std::string::npos) << info.notes[0];
-  expect_tetrahedron(read("a.ply", head + "property list int float weights\nelement face 4\nproperty list float "
-                                          "double vertex_index\nproperty list uint char more\nend_header\n0 0 0 2 .5 .5\n"
-                                          "1 0 0 0\n0 1 0 0\n0 0 1 1 1\n3 0 2 1 0\n3 0 1 3 1 7\n3 1 2 3 0\n3 0 3 2 0\n"));
+  expect_tetrahedron(
+      read("a.ply", head + "property list int float weights\nelement face 4\nproperty list float "
+                           "double vertex_index\nproperty list uint char more\nend_header\n0 0 0 2 .5 .5\n"
+                           "1 0 0 0\n0 1 0 0\n0 0 1 1 1\n3 0 2 1 0\n3 0 1 3 1 7\n3 1 2 3 0\n3 0 3 2 0\n"));
   expect_tetrahedron(read("a.ply", head + "element face 4\nproperty list ushort uint corners\nend_header\n" +
                                        kTetrahedron + "3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n"));
 }
@@ -336,9 +341,10 @@ TEST(SurfaceIo, BytesBehindABinaryStlAreIgnored) {
 
 TEST(SurfaceIo, APolygonMayNameACornerTwice) {
   SurfaceReadInfo info;
-  const Result<Surface> s = read("a.obj",
-                                 "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv .5 .5 1\nf 1 4 4 3 2\nf 1 2 5 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n",
-                                 &info);
+  const Result<Surface> s = read(
+      "a.obj",
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv .5 .5 1\nf 1 4 4 3 2\nf 1 2 5 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n",
+      &info);
   ASSERT_TRUE(s.ok()) << s.error().message;
   ASSERT_EQ(s.value().F.rows(), 8);
   EXPECT_EQ(info.source.face, (std::vector<Index>{0, 0, 0, 1, 1, 2, 3, 4}));
@@ -351,8 +357,9 @@ TEST(SurfaceIo, APolygonMayNameACornerTwice) {
 
 TEST(SurfaceIo, PlacesInTheFileAreKnown) {
   SurfaceReadInfo info;
-  const Result<Surface> s =
-      read("a.obj", "# x\nv 0 0 0\n\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 \\\n4\nf 1 4 3\n", &info);
+  const Result<Surface> s = read(
+      "a.obj",
+      "# x\nv 0 0 0\n\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 \\\n4\nf 1 4 3\n", &info);
   expect_tetrahedron(s);
   EXPECT_EQ(info.source.vertex_name(0), "vertex 1 (line 2)");
   EXPECT_EQ(info.source.vertex_name(3), "vertex 4 (line 7)");
