@@ -87,6 +87,13 @@ struct Cleanup {
 Result<Cleanup> clean_up(const Surface& surface, const CleanupOptions& options = {},
                          const SurfaceSource& source = {}, const RunContext& context = {});
 
+// The places of defects, to look at: VTP (for ParaView; with the kind, by number in DefectKind, and the
+// number of the place as data) or OBJ (one group a place). An edge and a hole are lines along them, a face
+// its outline, a vertex the outline of a face at it, or a line without length. surface: the given one.
+// Errors: io.
+Status write_defects(const std::string& path, const Surface& surface, const std::vector<Defect>& defects,
+                     CurveFormat format);
+
 // For a report. source: of the given surface.
 CleanupRecord record_of(const Cleanup& cleaned, const SurfaceSource& source);
 // The map from the cleaned surface to the file, as JSON, each number by itself and counted from 0: `vertices`

@@ -366,6 +366,10 @@ Result<Cleanup> clean(const Surface& given, const CleanupOptions& options, const
     out.defects.push_back({DefectKind::malformed, 1, {DefectPlace{}}});
   } else {
     context.report("clean-up", 0);
+    // Half-edges, their partners and corners of all faces; vertices. More than is in use at any time.
+    const auto bytes =
+        160 * static_cast<std::size_t>(given.F.rows()) + 80 * static_cast<std::size_t>(given.V.rows());
+    if (auto full = context.no_room_for(bytes)) return *full;
     Cleaner cleaner(given, options);
     if (Status s = cleaner.run(context, out); !s) return s.error();
     out.defects = cleaner.notes().take();

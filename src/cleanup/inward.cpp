@@ -14,6 +14,7 @@
 #include "src/certificates/winding_range.h"
 #include "src/exact/ordinary_size.h"
 #include "src/exact/rays.h"
+#include "src/mesh/submesh.h"
 #include "src/mesh/topology.h"
 
 namespace overtet {
@@ -96,27 +97,19 @@ class Turning {
   }
 
   Result<std::vector<Index>> run(const RunContext& context) {
+    std::vector<Index> turned;
     if (std::none_of(components_.begin(), components_.end(), [](const Component& c) { return c.sign < 0; }))
-      return std::vector<Index>{};
-    if (components_.size() == 1) return std::vector<Index>{0};
+      return turned;
     if (auto stop = context.stop()) return *stop;
     TriangleBvh bvh(surface_.V, surface_.F);
-    const std::vector<FacePair> pairs = find_self_intersections(surface_.V, surface_.F, bvh);
-    for (const auto& [f, g] : pairs) {
+    for (const auto& [f, g] : find_self_intersections(surface_.V, surface_.F, bvh)) {
       Component &a = components_[component_of_[f]], &b = components_[component_of_[g]];
       if (&a == &b)
         a.crosses_itself = true;
       else
         a.meets_others = b.meets_others = true;
     }
-    std::vector<Index> turned;
     if (Status s = decide(bvh, context, turned); !s) return s.error();
-    const bool sure =
-        std::none_of(turned.begin(), turned.end(), [&](Index c) { return components_[c].crosses_itself; });
-    if (sure) return turned;
-    const Result<bool> fine = is_nowhere_negative(bvh, pairs, context);
-    if (!fine) return fine.error();
-    if (fine.value()) turned.clear();
     return turned;
   }
 
@@ -138,6 +131,9 @@ class Turning {
       else if (one.sign > 0 && one.box.overlaps(reach))
         turn = least_winding(before, one, INT_MIN) < 0 && least_winding(now, one, 1) >= 1;
       if (!turn) continue;
+      const Result<bool> one_way = faces_one_way(one, context);
+      if (!one_way) return one_way.error();
+      if (!one_way.value()) continue;
       turned.push_back(c);
       reach.include(one.box);
       for (const Index f : one.faces) std::swap(F(f, 1), F(f, 2));
@@ -168,16 +164,19 @@ class Turning {
     return parallel_reduce(n, kHeavyGrain, INT_MAX, least, [](int a, int b) { return std::min(a, b); });
   }
 
-  // As the file has it.
-  Result<bool> is_nowhere_negative(const TriangleBvh& bvh, const std::vector<FacePair>& pairs,
-                                   const RunContext& context) const {
-    const Result<SurfaceTopology> topology = require_topology(surface_);
-    if (!topology || !degenerate_faces(surface_).empty()) return false;
-    IntersectionGraph graph(surface_, topology.value(), bvh, pairs);
+  // Whether the component's own winding number is nowhere of the other sign than its volume.
+  Result<bool> faces_one_way(const Component& c, const RunContext& context) const {
+    if (!c.crosses_itself) return true;
+    Surface own = sub_surface(surface_, c.faces).surface;
+    if (c.sign < 0) own.F.col(1).swap(own.F.col(2));
+    const Result<SurfaceTopology> topology = require_topology(own);
+    if (!topology || !degenerate_faces(own).empty()) return false;
+    TriangleBvh bvh(own.V, own.F);
+    IntersectionGraph graph(own, topology.value(), bvh, find_self_intersections(own.V, own.F, bvh));
     WindingRangeOptions options;
     options.stop_at_first_negative = true;
     const Result<WindingRange> range =
-        find_winding_range(surface_, topology.value(), bvh, graph, context, options);
+        find_winding_range(own, topology.value(), bvh, graph, context, options);
     if (!range) return range.error();
     return range.value().min >= 0;
   }

@@ -94,6 +94,13 @@ CLI::App* add_inspect(CLI::App& app, InspectCommand& inspect) {
                     "With --json: list every point of the curves, with its two places on the surface");
   command->add_option("--save-curves", inspect.save_curves,
                       "Write the curves in which the surface crosses itself to this file: .vtp or .obj");
+  command->add_option("--save-defects", inspect.clean.save_defects,
+                      "Write the places of what is wrong or had to be cleaned up to this file: .vtp or .obj");
+  command
+      ->add_option("--places", inspect.clean.most_places,
+                   "How many places of each kind of defect to list (--json) and to save")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
   return command;
 }
 

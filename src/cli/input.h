@@ -13,6 +13,8 @@ struct InputOptions {
   bool strict = false;       // refuse what a clean-up would change
   std::string save_map;      // file for the numbers of vertices and faces; empty: none
   std::string save_cleaned;  // file for the cleaned surface; empty: none
+  std::string save_defects;  // file for the places of what is wrong; empty: none
+  int most_places = 10;      // that are listed, of each kind
 };
 
 struct InputSurface {

@@ -217,6 +217,13 @@ TEST(Cleanup, SurfacesThatAreFineStayAsTheyAre) {
   EXPECT_FALSE(cleaned(both).changed());
 }
 
+// What faces both ways would be as wrong when turned; its witness is one of the file.
+TEST(Cleanup, ComponentsThatFaceBothWaysStayAsTheyAre) {
+  EXPECT_FALSE(cleaned(test::saucer(2)).changed());
+  EXPECT_FALSE(cleaned(test::flipped(test::saucer(2))).changed());
+  EXPECT_TRUE(cleaned(test::flipped(test::curled_worm())).changed());
+}
+
 TEST(Cleanup, StrictRefusesWhatItWouldChange) {
   Surface s = test::sphere(1);
   std::swap(s.F(3, 1), s.F(3, 2));

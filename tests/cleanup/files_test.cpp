@@ -125,6 +125,20 @@ TEST_F(RawFiles, AFaceWithoutAreaIsNamedAsInTheFile) {
   EXPECT_NE(r.err.find("face 6 (line 12)"), std::string::npos) << r.err;
 }
 
+TEST_F(RawFiles, DefectsAreSavedToLookAt) {
+  const std::string obj = folder_.file("d.obj"), vtp = folder_.file("d.vtp");
+  EXPECT_EQ(run("inspect " + at("one_face_missing.off") + " --save-defects " + obj).exit_code, 3);
+  EXPECT_EQ(test::read_text(obj), "v 0 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 0\no hole_0\nl 1 2 3 4\n");
+  EXPECT_EQ(run("inspect " + at("one_inside_out.off") + " --save-defects " + vtp).exit_code, 0);
+  EXPECT_NE(test::read_text(vtp).find("NumberOfLines=\"3\""), std::string::npos);
+  const ShellResult few = run("inspect --json --places 2 " + at("unwelded.obj"));
+  const json defect = json::parse(few.out)["defects"][0];
+  EXPECT_EQ(defect["count"], 16);
+  EXPECT_EQ(defect["places"].size(), 2u);
+  EXPECT_EQ(defect["places"][0]["vertices"], json::parse("[9, 1]"));
+  EXPECT_EQ(defect["places"][0]["vertex_lines"], json::parse("[9, 1]"));
+}
+
 TEST_F(RawFiles, SavingOverTheInputIsRefused) {
   const std::string in = folder_.file("a.off");
   ASSERT_TRUE(write_surface(in, test::sphere(1), SurfaceFormat::off).ok());
