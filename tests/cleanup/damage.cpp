@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <functional>
 #include <map>
 #include <numeric>
 #include <set>
@@ -356,8 +357,15 @@ std::string wrong_with(const Cleanup& cleaned, const Damaged& damaged) {
     return std::to_string(cleaned.surface.V.rows()) + " vertices instead of " +
            std::to_string(damaged.right.V.rows());
   if (triangles(cleaned.surface) != triangles(damaged.right)) return "the faces are others";
+  return wrong_with(cleaned, damaged.given);
+}
+
+std::string wrong_with(const Cleanup& cleaned, const Surface& given) {
   if (!is_manifold(cleaned.surface)) return "the surface is not closed, oriented and manifold";
-  return wrong_with_maps(cleaned, damaged.given);
+  if (std::adjacent_find(cleaned.face_of.begin(), cleaned.face_of.end(), std::greater_equal<>()) !=
+      cleaned.face_of.end())
+    return "a face is there twice, or in another order";
+  return wrong_with_maps(cleaned, given);
 }
 
 }  // namespace overtet::test

@@ -38,4 +38,8 @@ std::vector<NamedSurface> surfaces_to_damage();
 // are wrong. Empty where it is right.
 std::string wrong_with(const Cleanup& cleaned, const Damaged& damaged);
 
+// The same, where only what was given is known: the cleaned surface is closed, oriented and manifold, and its
+// maps lead to faces that were given, to each once.
+std::string wrong_with(const Cleanup& cleaned, const Surface& given);
+
 }  // namespace overtet::test

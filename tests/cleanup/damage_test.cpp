@@ -1,6 +1,11 @@
 // Ten generated surfaces, each damaged in every way and several times.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <random>
+#include <vector>
+
 #include "overtet/cleanup.h"
 #include "tests/cleanup/damage.h"
 #include "tests/support/models.h"
@@ -39,6 +44,68 @@ INSTANTIATE_TEST_SUITE_P(Damages, DamagedSurfaces, ::testing::ValuesIn(test::dam
 
 TEST(DamagedSurfaces, AreMoreThanTwoHundred) {
   EXPECT_GE(test::damages().size() * test::surfaces_to_damage().size() * kTimes, 200u);
+}
+
+// Points of a small grid, some of them twice.
+VertexMatrix some_points(Index n, std::mt19937_64& random) {
+  VertexMatrix V(n, 3);
+  for (Index v = 0; v < n; ++v) V.row(v) << double(random() % 3), double(random() % 3), double(random() % 3);
+  return V;
+}
+
+// Whatever is given: a surface comes out, or what is wrong with it.
+TEST(RandomSoups, AreCleanedOrRefused) {
+  const std::uint64_t seed = 7;
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937_64 random(seed);
+  for (int i = 0; i < 3000; ++i) {
+    Surface s;
+    s.V = some_points(static_cast<Index>(4 + random() % 8), random);
+    s.F.resize(static_cast<Index>(4 + random() % 24), 3);
+    for (Index f = 0; f < s.F.rows(); ++f)
+      for (int k = 0; k < 3; ++k)
+        s.F(f, k) = static_cast<Index>(random() % static_cast<std::uint64_t>(s.V.rows()));
+    const Result<Cleanup> c = clean_up(s);
+    ASSERT_TRUE(c.ok()) << c.error().message;
+    if (!c.value().problem) EXPECT_EQ(test::wrong_with(c.value(), s), "") << i;
+    for (const Defect& d : c.value().defects) EXPECT_FALSE(d.message.empty()) << name_of(d.kind);
+  }
+}
+
+// Tets that have corners, edges and faces in common, each with its four faces, some inside out: every edge
+// has an even number of faces.
+TEST(RandomSoups, OfTetsAreMostlyCleaned) {
+  const std::uint64_t seed = 11;
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937_64 random(seed);
+  int cleaned = 0, all = 0;
+  for (int i = 0; i < 2000; ++i) {
+    Surface s;
+    s.V = some_points(7, random);
+    std::vector<std::array<Index, 3>> faces;
+    const int tets = static_cast<int>(1 + random() % 5);
+    for (int t = 0; t < tets; ++t) {
+      std::array<Index, 7> order{0, 1, 2, 3, 4, 5, 6};
+      std::shuffle(order.begin(), order.end(), random);
+      const auto [a, b, c, d, e, f, g] = order;
+      faces.insert(faces.end(), {{a, c, b}, {a, b, d}, {b, c, d}, {c, a, d}});
+    }
+    s.F.resize(static_cast<Index>(faces.size()), 3);
+    for (std::size_t f = 0; f < faces.size(); ++f)
+      for (int k = 0; k < 3; ++k) s.F(static_cast<Index>(f), k) = faces[f][k];
+    if (random() % 2) std::swap(s.F(0, 0), s.F(0, 1));
+    const Result<Cleanup> c = clean_up(s);
+    ASSERT_TRUE(c.ok()) << c.error().message;
+    ++all;
+    if (c.value().problem) continue;
+    ++cleaned;
+    EXPECT_EQ(test::wrong_with(c.value(), s), "") << i;
+    const Result<Cleanup> again = clean_up(c.value().surface);
+    ASSERT_TRUE(again.ok());
+    EXPECT_FALSE(again.value().changed())
+        << i << ": " << c.value().summary() << " " << again.value().summary();
+  }
+  EXPECT_GT(cleaned, all / 2);
 }
 
 // Whatever the threads, and however often.
