@@ -140,6 +140,8 @@ class Cleaner {
     if (notes_.beyond()) return success();
     note_turned_faces();
     make_vertices(out);
+    if (faces_.edges.merges || !faces_.edges.others.empty()) note_edges_that_meet(out);
+    if (notes_.beyond()) return success();
     return turn_inward_components(context, out);
   }
 
@@ -270,6 +272,20 @@ class Cleaner {
     for (std::size_t v = 0; v < out.vertex_of.size(); ++v)
       out.surface.V.row(static_cast<Index>(v)) = given_.V.row(out.vertex_of[v]);
     note_vertices(owner, out);
+  }
+
+  // Edges between the same two vertices: what was split hangs together at both ends, or what lay beside each
+  // other has been merged at both.
+  void note_edges_that_meet(const Cleanup& out) {
+    const RawEdges now = find_edges(out.surface.V, out.surface.F);
+    for (const EdgeGroup& g : now.others) {
+      const Index h = now.list[g.begin];
+      std::vector<Index> faces;
+      for (Index i = g.begin; i < g.begin + g.count; ++i)
+        faces.push_back(faces_.kept[half_edge_face(now.list[i])]);
+      notes_.add(DefectKind::unpaired_edge, {half_edge_source(faces_.F, h), half_edge_target(faces_.F, h)},
+                 std::move(faces), g.count);
+    }
   }
 
   // Those that are gone: merged, or unused.

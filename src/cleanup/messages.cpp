@@ -91,9 +91,9 @@ std::string explain(const Defect& d, const Surface& s, const SurfaceSource& sour
              "); it must be shared by two" + more(d.count, "edge", "edges") + ".";
     case DefectKind::unpaired_edge:
       return "The " + n.edge() + ", is shared by " + std::to_string(p.edges) + " faces (" + n.faces() +
-             ") that cannot be told apart in pairs, because they are not oriented alike or have no area; it "
-             "must "
-             "be shared by two" +
+             ") that cannot be told apart in pairs: they are not oriented alike, have no area, or hang "
+             "together "
+             "around both ends; it must be shared by two" +
              more(d.count, "edge", "edges") + ".";
     case DefectKind::one_sided:
       return "The surface is one-sided: its faces cannot be oriented so that " + n.faces() +
