@@ -34,8 +34,8 @@ enum class DefectKind {
   unused_vertex,     // a vertex of no face: dropped
   turned_face,       // a face that is not oriented as its neighbours are: turned
   inward_component,  // a component that faces inwards and is no cavity: turned
-  hole,              // a closed chain of edges that have one face only
   odd_edge,          // an edge of 3, 5, ... faces
+  hole,              // a closed chain of edges that have one face only
   unpaired_edge,     // an edge of 4, 6, ... faces that cannot be told apart in pairs
   one_sided,         // a component that has no orientation, as a Klein bottle
   malformed          // an index out of range, a coordinate that is not finite, no faces

@@ -40,8 +40,8 @@ const KindName& words(DefectKind kind) {
       {"unused-vertex", "unused vertex dropped", "unused vertices dropped"},
       {"turned-face", "face turned as its neighbours are", "faces turned as their neighbours are"},
       {"inward-component", "component that faced inwards turned", "components that faced inwards turned"},
-      {"hole", "hole", "holes"},
       {"odd-edge", "edge of an odd number of faces", "edges of an odd number of faces"},
+      {"hole", "hole", "holes"},
       {"unpaired-edge", "edge of faces that cannot be paired", "edges of faces that cannot be paired"},
       {"one-sided", "one-sided component", "one-sided components"},
       {"malformed", "malformed surface", "malformed surfaces"}};
@@ -408,7 +408,7 @@ Result<Cleanup> clean(const Surface& given, const CleanupOptions& options, const
 }  // namespace
 
 const char* name_of(DefectKind kind) { return words(kind).report; }
-bool is_mended(DefectKind kind) { return kind < DefectKind::hole; }
+bool is_mended(DefectKind kind) { return kind < DefectKind::odd_edge; }
 
 Status CleanupOptions::validate() const {
   if (most_places < 1 || most_places > 1000000)

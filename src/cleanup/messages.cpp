@@ -1,5 +1,6 @@
 #include "src/cleanup/messages.h"
 
+#include <algorithm>
 #include <cstdio>
 
 namespace overtet {
@@ -33,11 +34,18 @@ class Names {
     return "edge from " + vertex(0) + " to " + vertex(1) + ", " +
            position_text(surface_, place_.vertices[0]) + " to " + position_text(surface_, place_.vertices[1]);
   }
-  // The first vertices.
+  // The first vertices: "vertices 1, 5, 7, ... (lines 3, 7, 9)".
   std::string around() const {
-    std::string text = vertex(0);
-    for (std::size_t i = 1; i < place_.vertices.size() && i < 3; ++i) text += ", " + vertex(i);
-    return text + (place_.edges > 3 ? ", ..." : "");
+    std::string text = "vertices ", lines;
+    const std::size_t n = std::min<std::size_t>(place_.vertices.size(), 3);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Index v = source_.vertex_in_file(place_.vertices[i]);
+      text += (i > 0 ? ", " : "") + std::to_string(std::int64_t{v} + source_.first);
+      if (static_cast<std::size_t>(v) < source_.vertex_line.size())
+        lines += (i > 0 ? ", " : "") + std::to_string(source_.vertex_line[static_cast<std::size_t>(v)]);
+    }
+    if (place_.edges > 3) text += ", ...";
+    return lines.empty() ? text : text + " (lines " + lines + ")";
   }
   std::string at(std::size_t i) const { return position_text(surface_, place_.vertices[i]); }
 

@@ -275,7 +275,8 @@ void print(const Findings& f) {
   std::printf("size        %d vertices, %d faces\n", d.vertices, d.faces);
   std::printf("closed      %s\nmanifold    %s\noriented    %s\n", yes(d.closed), yes(d.manifold),
               yes(d.oriented));
-  for (const std::string& problem : d.problems) std::printf("problem     %s\n", problem.c_str());
+  if (!f.input.cleanup.problem)
+    for (const std::string& problem : d.problems) std::printf("problem     %s\n", problem.c_str());
   const std::size_t components = d.components.size();
   for (std::size_t c = 0; c < components && c < kListed; ++c)
     std::printf("component   %d faces, genus %d%s\n", d.components[c].faces, d.components[c].genus,
@@ -295,6 +296,7 @@ void print(const Findings& f) {
     for (const auto& [a, b] : d.pairs) std::printf("pair        %d %d\n", a, b);
   std::printf("verdict     %s: %s\n", verdict_name(d.verdict), d.message.c_str());
   if (d.certificate) std::printf("witness     %s\n", to_json(*d.certificate).c_str());
+  if (f.input.cleanup.problem) return;  // the defects say it, in numbers of the file
   for (const std::string& advice : d.advice) std::printf("advice      %s\n", advice.c_str());
 }
 

@@ -248,7 +248,7 @@ TEST(Cleanup, MessagesNameThePlaceInTheFile) {
   const Result<Cleanup> c = clean_up(s, {}, source);
   ASSERT_TRUE(c.ok() && c.value().problem);
   const std::string& text = c.value().problem->message;
-  for (const char* part : {"hole of 3 edges", "line 100", "line 2"})
+  for (const char* part : {"hole of 3 edges", "lines 100, 100, 100", "line 2"})
     EXPECT_NE(text.find(part), std::string::npos) << text;
   EXPECT_EQ(text.find('\n'), std::string::npos);
   const Defect& hole = c.value().defects.at(0);

@@ -215,7 +215,8 @@ Damaged third_face(const Surface& s, Random& random) {
   Damaged d = with_faces(s, {{s.F(f, 0), s.F(f, 1), static_cast<Index>(s.V.rows())}}, random);
   d.given.V.conservativeResize(s.V.rows() + 1, 3);
   d.given.V.row(s.V.rows()) << 7, 8, 9;
-  d.beyond = DefectKind::hole;
+  d.beyond = DefectKind::odd_edge;
+  d.count = 1;
   return d;
 }
 

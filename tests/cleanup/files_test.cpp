@@ -85,7 +85,7 @@ TEST_F(RawFiles, AHoleIsNamedWithItsSizeAndPlace) {
                             " --report " + folder_.file("r.json"));
   EXPECT_EQ(r.exit_code, 3);
   for (const char* part :
-       {"hole of 3 edges", "3.41421 long", "vertex 0 (line 3)", "vertex 2 (line 5)", "(0, 0, 0)"})
+       {"hole of 3 edges", "3.41421 long", "vertices 0, 2, 3 (lines 3, 5, 6)", "(0, 0, 0)"})
     EXPECT_NE(r.err.find(part), std::string::npos) << r.err;
   const ShellResult seen = run("inspect --json " + at("one_face_missing.off"));
   EXPECT_EQ(seen.exit_code, 3);
