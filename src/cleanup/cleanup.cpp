@@ -379,7 +379,7 @@ Result<Cleanup> clean(const Surface& given, const CleanupOptions& options, const
                       const RunContext& context) {
   Cleanup out;
   if (!is_sane(given)) {
-    out.defects.push_back({DefectKind::malformed, 1, {DefectPlace{}}});
+    out.defects.push_back({DefectKind::malformed, 1, {DefectPlace{}}, {}});
   } else {
     context.report("clean-up", 0);
     // Half-edges, their partners and corners of all faces; vertices. More than is in use at any time.
