@@ -135,13 +135,11 @@ class Cleaner {
     }
     faces_.oriented = orient(faces_.F, faces_.edges);
     if (auto stop = context.stop()) return *stop;
-    pair_crowded_edges();
+    split_edges(out);
     note_what_is_open();
     if (notes_.beyond()) return success();
     note_turned_faces();
-    make_vertices(out);
-    if (faces_.edges.merges || !faces_.edges.others.empty()) note_edges_that_meet(out);
-    if (notes_.beyond()) return success();
+    note_vertices(out);
     return turn_inward_components(context, out);
   }
 
@@ -197,19 +195,54 @@ class Cleaner {
     notes_.add(kind, {half_edge_source(faces_.F, h), half_edge_target(faces_.F, h)}, faces_at(g), g.count);
   }
 
-  void pair_crowded_edges() {
-    RawEdges& e = faces_.edges;
-    split_is_noted_.assign(given_.V.rows(), 0);
-    for (const EdgeGroup& g : e.others) {
-      if (g.count % 2 == 1) continue;
-      const auto pairs = pair_around(given_.V, faces_.F, e, faces_.oriented, g);
-      note_edge(pairs.empty() ? DefectKind::unpaired_edge : DefectKind::crowded_edge, g);
-      for (const auto& [a, b] : pairs) e.partner[a] = b, e.partner[b] = a;
-      for (Index i = g.begin; i < g.begin + g.count; ++i) {
-        split_is_noted_[half_edge_source(faces_.F, e.list[i])] = 1;
-        split_is_noted_[half_edge_target(faces_.F, e.list[i])] = 1;
-      }
+  // Pairs the faces of crowded edges so that the solid's sectors come apart there; the gaps instead, where
+  // the solid's hang together around both ends of the edge.
+  void split_edges(Cleanup& out) {
+    const std::vector<EdgeGroup>& others = faces_.edges.others;
+    std::vector<Sector> sector(others.size(), Sector::solid);
+    for (bool again = true; again;) {
+      again = false;
+      std::vector<char> fails(others.size(), 0);
+      bool open = false;
+      for (std::size_t i = 0; i < others.size(); ++i)
+        if (others[i].count % 2 == 1)
+          open = true;
+        else if (!pair(others[i], sector[i]))
+          fails[i] = 1, open = true;
+      if (!open) make_vertices(out);
+      const bool met = !open && (faces_.edges.merges || !others.empty());
+      const RawEdges now = met ? find_edges(out.surface.V, out.surface.F) : RawEdges{};
+      std::vector<char> is_met(met ? faces_.F.size() : 0, 0);
+      for (const EdgeGroup& g : now.others)
+        for (Index i = g.begin; i < g.begin + g.count; ++i) is_met[now.list[i]] = 1;
+      for (std::size_t i = 0; met && i < others.size(); ++i)
+        if (sector[i] == Sector::solid && is_met[faces_.edges.list[others[i].begin]])
+          sector[i] = Sector::gap, again = true;
+      if (again) continue;
+      for (std::size_t i = 0; i < others.size(); ++i)
+        if (others[i].count % 2 == 0)
+          note_edge(fails[i] ? DefectKind::unpaired_edge : DefectKind::crowded_edge, others[i]);
+      for (const EdgeGroup& g : now.others) note_met(now, g);
     }
+  }
+
+  // False where the faces cannot be paired.
+  bool pair(const EdgeGroup& g, Sector sector) {
+    RawEdges& e = faces_.edges;
+    const auto pairs = pair_around(given_.V, faces_.F, e, faces_.oriented, g, sector);
+    for (const auto& [a, b] : pairs) e.partner[a] = b, e.partner[b] = a;
+    return !pairs.empty();
+  }
+
+  // Edges between the same two vertices: what was split hangs together at both ends, or what lay beside each
+  // other has been merged at both. edges: of the surface with its new vertices, and the same faces.
+  void note_met(const RawEdges& edges, const EdgeGroup& g) {
+    const Index h = edges.list[g.begin];
+    std::vector<Index> faces;
+    for (Index i = g.begin; i < g.begin + g.count; ++i)
+      faces.push_back(faces_.kept[half_edge_face(edges.list[i])]);
+    notes_.add(DefectKind::unpaired_edge, {half_edge_source(faces_.F, h), half_edge_target(faces_.F, h)},
+               std::move(faces), g.count);
   }
 
   void note_what_is_open() {
@@ -253,6 +286,7 @@ class Cleaner {
     for (Index c = 0; c < corners; ++c)
       if (fan.root(c) == c && owner[least[c]] < 0) owner[least[c]] = c;
     std::vector<Index> number(corners);  // of a root
+    out.vertex_of.clear();
     for (Index v = 0; v < given_.V.rows(); ++v) {
       if (owner[v] < 0) continue;
       number[owner[v]] = static_cast<Index>(out.vertex_of.size());
@@ -262,42 +296,37 @@ class Cleaner {
       if (fan.root(c) != c || owner[least[c]] == c) continue;
       number[c] = static_cast<Index>(out.vertex_of.size());
       out.vertex_of.push_back(least[c]);
-      char& noted = split_is_noted_[least[c]];
-      if (!noted) notes_.add(DefectKind::pinched_vertex, {least[c]}, {faces_.kept[c / 3]});
-      noted = 1;
     }
     out.surface.F.resize(F.rows(), 3);
     for (Index c = 0; c < corners; ++c) out.surface.F(c / 3, c % 3) = number[fan.root(c)];
     out.surface.V.resize(static_cast<Index>(out.vertex_of.size()), 3);
     for (std::size_t v = 0; v < out.vertex_of.size(); ++v)
       out.surface.V.row(static_cast<Index>(v)) = given_.V.row(out.vertex_of[v]);
-    note_vertices(owner, out);
   }
 
-  // Edges between the same two vertices: what was split hangs together at both ends, or what lay beside each
-  // other has been merged at both.
-  void note_edges_that_meet(const Cleanup& out) {
-    const RawEdges now = find_edges(out.surface.V, out.surface.F);
-    for (const EdgeGroup& g : now.others) {
-      const Index h = now.list[g.begin];
-      std::vector<Index> faces;
+  // Those that are split (but for the ends of edges that are), merged, or unused.
+  void note_vertices(Cleanup& out) {
+    std::vector<char> split(given_.V.rows(), 0);  // or an end of an edge that is
+    for (const EdgeGroup& g : faces_.edges.others)
       for (Index i = g.begin; i < g.begin + g.count; ++i)
-        faces.push_back(faces_.kept[half_edge_face(now.list[i])]);
-      notes_.add(DefectKind::unpaired_edge, {half_edge_source(faces_.F, h), half_edge_target(faces_.F, h)},
-                 std::move(faces), g.count);
-    }
-  }
-
-  // Those that are gone: merged, or unused.
-  void note_vertices(const std::vector<Index>& owner, Cleanup& out) {
+        for (const Index h : {faces_.edges.list[i], next_half_edge(faces_.edges.list[i])})
+          split[half_edge_source(faces_.F, h)] = 1;
     std::vector<Index> corner(given_.V.rows(), -1);  // the first one at each vertex
     for (Index c = 3 * static_cast<Index>(faces_.F.rows()); c-- > 0;)
       corner[half_edge_source(faces_.F, c)] = c;
+    std::vector<char> kept(given_.V.rows(), 0);
+    for (const Index v : out.vertex_of) {
+      if (kept[v] && !split[v]) {
+        notes_.add(DefectKind::pinched_vertex, {v}, {faces_.kept[corner[v] / 3]});
+        split[v] = 1;
+      }
+      kept[v] = 1;
+    }
     for (Index v = 0; v < given_.V.rows(); ++v) {
       const Index c = corner[v];
       if (c < 0) {
         notes_.add(DefectKind::unused_vertex, {v}, {});
-      } else if (owner[v] < 0) {
+      } else if (!kept[v]) {
         const Index became = out.surface.F(c / 3, c % 3);
         out.merged.push_back({v, became});
         notes_.add(DefectKind::unmerged_vertex, {v, out.vertex_of[became]}, {faces_.kept[c / 3]});
@@ -347,7 +376,6 @@ class Cleaner {
   const Surface& given_;
   Faces faces_;
   Notes notes_;
-  std::vector<char> split_is_noted_;  // of given vertices: ends of crowded edges, then others
 };
 
 // A map that changes nothing is left out.

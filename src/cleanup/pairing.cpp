@@ -99,7 +99,7 @@ bool pair_up(const Wheel& wheel, std::vector<Spoke>& spokes, Pairs& pairs) {
 
 std::vector<std::array<Index, 2>> pair_around(const VertexMatrix& V, const TriangleMatrix& F,
                                               const RawEdges& edges, const Oriented& oriented,
-                                              const EdgeGroup& edge) {
+                                              const EdgeGroup& edge, Sector sector) {
   const auto point = [&](Index v) { return V.data() + 3 * std::int64_t{v}; };
   const Index first = edges.list[edge.begin];
   const auto [low, high] =
@@ -108,8 +108,9 @@ std::vector<std::array<Index, 2>> pair_around(const VertexMatrix& V, const Trian
   std::vector<Spoke> all;
   for (Index i = edge.begin; i < edge.begin + edge.count; ++i) {
     const Index h = edges.list[i], f = half_edge_face(h);
-    all.push_back({h, oriented.shell_of[f], point(half_edge_opposite(F, h)),
-                   runs_up(F, edges.place, h) != static_cast<bool>(oriented.turned[f])});
+    all.push_back(
+        {h, oriented.shell_of[f], point(half_edge_opposite(F, h)),
+         (runs_up(F, edges.place, h) != static_cast<bool>(oriented.turned[f])) == (sector == Sector::solid)});
   }
   std::stable_sort(all.begin(), all.end(), [](const Spoke& s, const Spoke& t) { return s.shell < t.shell; });
   Pairs pairs;

@@ -156,6 +156,28 @@ TEST(Cleanup, ASolidThatTouchesItselfIsOpenedThere) {
   EXPECT_TRUE(mesh.ok()) << mesh.error().message;
 }
 
+// A solid whose two sides have an edge in common, in the midst of them: it would take new vertices to cut it
+// there.
+TEST(Cleanup, ASolidPinchedOffAtAnEdgeStaysInOnePiece) {
+  Surface s = test::box(4);
+  // The edge from (.25, .5) to (.5, .5) on the bottom and on the top, moved to the middle: into one place.
+  const auto at = [&](double x, double y, double z) {
+    for (Index v = 0; v < s.V.rows(); ++v)
+      if (s.V.row(v) == Eigen::RowVector3d(x, y, z)) return v;
+    return Index{-1};
+  };
+  const Index ends[4] = {at(0.25, 0.5, 0), at(0.5, 0.5, 0), at(0.25, 0.5, 1), at(0.5, 0.5, 1)};
+  for (const Index v : ends) {
+    ASSERT_GE(v, 0);
+    s.V(v, 2) = 0.5;
+  }
+  EXPECT_FALSE(cleaned(s).changed());
+  const Cleanup c = cleaned(merged(s));
+  ASSERT_FALSE(c.problem) << c.problem->message;
+  EXPECT_EQ(c.surface.V.rows(), s.V.rows());
+  EXPECT_EQ(components(c.surface), 1);
+}
+
 // Two solids that overlap and have triangles in common: dropping one of each would leave a hole.
 TEST(Cleanup, SidesThatTwoSolidsHaveInCommonStay) {
   Surface low = test::box(2);
