@@ -30,12 +30,31 @@ class AtomicFile;  // internal, src/io/file.h
 // Surfaces: OBJ, OFF (with colours and normals: COFF, NOFF, ...), PLY (ASCII, both byte orders) and STL
 // (ASCII and binary).
 
+// What a file calls the vertices and faces of the surface that was read from it.
+struct SurfaceSource {
+  Index first = 0;                 // the number of the first vertex, and of the first face: 1 in OBJ
+  const char* face_word = "face";  // "triangle" in STL
+  // The file's vertex of each vertex (#V), its face of each face (#F; more than one where polygons were cut),
+  // both counted from 0. Empty: they are the same.
+  std::vector<Index> vertex, face;
+  // The lines on which the file's vertices (of STL: the first corner there) and faces begin, counted from 1,
+  // in the order of the file. Empty where the file is binary.
+  std::vector<std::uint32_t> vertex_line, face_line;
+
+  // For messages: "vertex 12", "face 7 (line 20)".
+  std::string vertex_name(Index v) const;
+  std::string face_name(Index f) const;
+  Index vertex_in_file(Index v) const { return vertex.empty() ? v : vertex[static_cast<std::size_t>(v)]; }
+  Index face_in_file(Index f) const { return face.empty() ? f : face[static_cast<std::size_t>(f)]; }
+};
+
 struct SurfaceReadInfo {
   std::string format;                // for instance "PLY, binary, little endian"
   std::int64_t polygons = 0;         // faces with more than three corners, now triangulated
   std::int64_t merged_vertices = 0;  // of an STL file: corners that share a vertex with an earlier one
   bool has_vertex_order = true;      // false for STL, which lists corners only
   std::vector<std::string> notes;    // one sentence each, for the user
+  SurfaceSource source;              // what the file calls them
 };
 
 // What the file begins with counts more than its extension. Polygons are cut into triangles, the equal

@@ -3,6 +3,7 @@
 //   types.h         Surface, TetMesh
 //   result.h        Result, Error: nothing is thrown for what can go wrong
 //   run_context.h   limits, cancellation, threads, progress, log
+//   cleanup.h       clean_up()
 //   meshing.h       tetrahedralize()
 //   diagnosis.h     diagnose()
 //   certificate.h   why there is no mesh
@@ -17,6 +18,7 @@
 #pragma once
 
 #include "overtet/certificate.h"
+#include "overtet/cleanup.h"
 #include "overtet/curves.h"
 #include "overtet/diagnosis.h"
 #include "overtet/io.h"

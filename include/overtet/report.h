@@ -42,9 +42,24 @@ struct StageRecord {
   std::vector<Figure> figures;
 };
 
+// A piece of a map from a cleaned surface to its file: for i < count and j < each, number first + i * each +
+// j of the surface is number in_file + i of the file. Both are counted from 0.
+struct NumberRun {
+  std::int64_t first = 0, in_file = 0, count = 0, each = 1;
+};
+
+// What a clean-up (cleanup.h) changed before the run.
+struct CleanupRecord {
+  std::vector<std::pair<std::string, std::int64_t>> steps;  // kinds of defects that were mended, with counts
+  std::vector<NumberRun> vertices, faces;                   // of the whole cleaned surface, in order
+  std::vector<std::array<std::int64_t, 2>>
+      turned;  // faces whose last two corners changed places: first, count
+};
+
 struct InputRecord {
   std::string format;
   std::vector<std::string> notes;
+  std::optional<CleanupRecord> cleanup;  // where one changed the surface
   std::int64_t vertices = 0, faces = 0, components = 0;
   std::vector<std::int64_t> genus;  // of each component
   std::int64_t pairs = 0, hinges = 0;

@@ -42,6 +42,7 @@ struct Error {
   // Of `infeasible`: the proof. (None where a repair gave up, or a part of the surface is what has no mesh.)
   // Shared, so that errors are small.
   std::shared_ptr<const Certificate> certificate = nullptr;
+  int face = -1;  // of `bad_input`, if one face of the given surface is at fault: its number, from 0
 };
 
 // A value or an error. Check ok() before value(); taking the wrong one is a bug.

@@ -1,5 +1,6 @@
 """Runs the program on a model and judges what it does."""
 
+import copy
 import json
 import os
 import signal
@@ -10,7 +11,7 @@ import time
 from .errors import Unreadable
 from .mesh_check import mesh_faults
 from .mesh_file import read_mesh
-from .surface import write_off
+from .surface import Surface, write_off
 
 CHECK_WITNESS = os.path.join(os.path.dirname(os.path.dirname(os.path.realpath(__file__))), "check_witness")
 
@@ -85,6 +86,25 @@ def stopped(child):
         return child.communicate()[0]
 
 
+def as_cleaned(model, files):
+    """The model with those components turned that faced inwards, as the program says it has: that is what it then
+    answers about. (Nothing else can be cleaned up about closed, oriented, manifold surfaces.)"""
+    try:
+        with open(files.report, encoding="utf-8") as file:
+            turned = json.load(file)["input"]["clean_up"]["turned"]
+    except (OSError, ValueError, KeyError, TypeError):
+        return model
+    faces = list(model.surface.faces)
+    for first, count in turned:
+        for i in range(first, first + count):
+            a, b, c = faces[i]
+            faces[i] = (a, c, b)
+    cleaned = copy.copy(model)
+    cleaned.surface = Surface(model.surface.points, faces)
+    write_off(cleaned.surface, files.surface)
+    return cleaned
+
+
 class Judge:
     """`program`: a path. `limit`: seconds for an answer. `repair`: also try to repair what is infeasible."""
 
@@ -97,7 +117,7 @@ class Judge:
             files = Files(folder)
             write_off(model.surface, files.surface)
             ran = self.mesh(files)
-            verdict = self.judged(model, files, ran)
+            verdict = self.judged(as_cleaned(model, files), files, ran)
             verdict.seconds = ran.seconds
             return verdict
 

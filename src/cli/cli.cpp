@@ -39,6 +39,17 @@ void add_common(CLI::App& command, CommonOptions& o) {
       ->capture_default_str();
 }
 
+void add_cleaning(CLI::App& command, InputOptions& o) {
+  command.add_flag(
+      "--strict", o.strict,
+      "Refuse a surface that needs a clean-up (equal corners merged, what is there twice or unused "
+      "dropped, faces oriented alike, ...) instead of cleaning it");
+  command.add_option(
+      "--save-map", o.save_map,
+      "Write the numbers that the vertices and faces of the cleaned surface have in the file: JSON");
+  command.add_option("--save-cleaned", o.save_cleaned, "Write the cleaned surface: .off, .obj or .ply");
+}
+
 CLI::App* add_mesh(CLI::App& app, MeshCommand& mesh) {
   CLI::App* command = app.add_subcommand("mesh", "Make a tet mesh of a surface");
   command->add_option("INPUT", mesh.input, "Surface: .obj, .off, .ply or .stl")->required();
@@ -89,6 +100,13 @@ CLI::App* add_inspect(CLI::App& app, InspectCommand& inspect) {
                     "With --json: list every point of the curves, with its two places on the surface");
   command->add_option("--save-curves", inspect.save_curves,
                       "Write the curves in which the surface crosses itself to this file: .vtp or .obj");
+  command->add_option("--save-defects", inspect.clean.save_defects,
+                      "Write the places of what is wrong or had to be cleaned up to this file: .vtp or .obj");
+  command
+      ->add_option("--places", inspect.clean.most_places,
+                   "How many places of each kind of defect to list (--json) and to save")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
   return command;
 }
 
@@ -147,9 +165,13 @@ int parse_and_run(int argc, char** argv) {
   RepairCommand repair;
   VerifyCommand verify;
   CLI::App* mesh_app = add_mesh(app, mesh);
+  add_cleaning(*mesh_app, mesh.clean);
   CLI::App* inspect_app = add_inspect(app, inspect);
+  add_cleaning(*inspect_app, inspect.clean);
   CLI::App* repair_app = add_repair(app, repair);
+  add_cleaning(*repair_app, repair.clean);
   CLI::App* verify_app = add_verify(app, verify);
+  verify_app->add_flag("--strict", verify.clean.strict, "Refuse a surface that needs a clean-up");
   for (CLI::App* command : {mesh_app, inspect_app, repair_app, verify_app}) add_common(*command, common);
 
   try {

@@ -17,6 +17,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Findings {
+  const InputSurface& input;
   const Surface& surface;
   const SurfaceReadInfo& info;
   const SurfaceDiagnosis& diagnosis;
@@ -97,6 +98,34 @@ std::string text_of(const std::array<double, 3>& p) {
 
 std::array<double, 3> position(const Surface& s, Index v) { return {s.V(v, 0), s.V(v, 1), s.V(v, 2)}; }
 
+// Numbers as the file counts, and the lines of a text.
+Json to_json(const DefectPlace& p, const SurfaceSource& source) {
+  Json place = {{"position", p.position}, {"vertices", Json::array()}, {"faces", Json::array()}};
+  const auto add = [&](const char* numbers, const char* lines, Index in_file, const auto& line_of) {
+    place[numbers].push_back(in_file + source.first);
+    if (!line_of.empty()) place[lines].push_back(line_of[static_cast<std::size_t>(in_file)]);
+  };
+  for (const Index v : p.vertices)
+    add("vertices", "vertex_lines", source.vertex_in_file(v), source.vertex_line);
+  for (const Index f : p.faces) add("faces", "face_lines", source.face_in_file(f), source.face_line);
+  return place;
+}
+
+Json to_json(const Defect& d, const InputSurface& input) {
+  Json j = {{"kind", name_of(d.kind)},
+            {"count", d.count},
+            {"mended", is_mended(d.kind) && !input.cleanup.problem},
+            {"message", d.message}};
+  j["places"] = Json::array();
+  for (const DefectPlace& p : d.places) {
+    j["places"].push_back(to_json(p, input.info.source));
+    if (d.kind != DefectKind::hole) continue;
+    j["places"].back()["edges"] = p.edges;
+    j["places"].back()["length"] = p.length;
+  }
+  return j;
+}
+
 Json to_json(const Findings& f) {
   const SurfaceDiagnosis& d = f.diagnosis;
   Json j = {{"version", version()}, {"format", f.info.format}, {"notes", f.info.notes}};
@@ -108,6 +137,8 @@ Json to_json(const Findings& f) {
   j["manifold"] = d.manifold;
   j["oriented"] = d.oriented;
   j["problems"] = d.problems;
+  j["defects"] = Json::array();
+  for (const Defect& defect : f.input.cleanup.defects) j["defects"].push_back(to_json(defect, f.input));
   j["components"] = Json::array();
   for (const ComponentDiagnosis& c : d.components) {
     Json one = {{"faces", c.faces}, {"vertices", c.vertices}, {"genus", c.genus}};
@@ -238,10 +269,14 @@ void print(const Findings& f) {
   const SurfaceDiagnosis& d = f.diagnosis;
   std::printf("file        %s\n", f.info.format.c_str());
   for (const std::string& note : f.info.notes) std::printf("note        %s\n", note.c_str());
+  for (const Defect& defect : f.input.cleanup.defects)
+    std::printf("%s      %s\n", is_mended(defect.kind) && !f.input.cleanup.problem ? "mended" : "defect",
+                defect.message.c_str());
   std::printf("size        %d vertices, %d faces\n", d.vertices, d.faces);
   std::printf("closed      %s\nmanifold    %s\noriented    %s\n", yes(d.closed), yes(d.manifold),
               yes(d.oriented));
-  for (const std::string& problem : d.problems) std::printf("problem     %s\n", problem.c_str());
+  if (!f.input.cleanup.problem)
+    for (const std::string& problem : d.problems) std::printf("problem     %s\n", problem.c_str());
   const std::size_t components = d.components.size();
   for (std::size_t c = 0; c < components && c < kListed; ++c)
     std::printf("component   %d faces, genus %d%s\n", d.components[c].faces, d.components[c].genus,
@@ -261,7 +296,20 @@ void print(const Findings& f) {
     for (const auto& [a, b] : d.pairs) std::printf("pair        %d %d\n", a, b);
   std::printf("verdict     %s: %s\n", verdict_name(d.verdict), d.message.c_str());
   if (d.certificate) std::printf("witness     %s\n", to_json(*d.certificate).c_str());
+  if (f.input.cleanup.problem) return;  // the defects say it, in numbers of the file
   for (const std::string& advice : d.advice) std::printf("advice      %s\n", advice.c_str());
+}
+
+// The verdict on a surface that cannot be cleaned, and the file's numbers of a face without area.
+void explain_in_file(const InputSurface& input, SurfaceDiagnosis& d) {
+  Error error{ErrorCode::bad_input, d.message};
+  if (input.cleanup.problem) {
+    error = *input.cleanup.problem;
+    d.verdict = Verdict::bad_input;
+  } else if (d.verdict == Verdict::bad_input && !d.degenerate_faces.empty()) {
+    error.face = d.degenerate_faces[0];
+  }
+  d.message = input.in_file(error).message;
 }
 
 }  // namespace
@@ -279,18 +327,19 @@ int run(const InspectCommand& command, const CommonOptions& common, Terminal& te
   const RunContext context = common.context(terminal);
   Watchdog watchdog(context.deadline, context.memory_limit_bytes,
                     [&](const Error& error) { terminal.error(with_hint(error)); });
-  SurfaceReadInfo info;
-  const Result<Surface> surface = read_surface(command.input, &info, context);
-  if (!surface) return fail(terminal, surface.error());
-  const Result<SurfaceDiagnosis> found = diagnose(surface.value(), context);
+  const Result<InputSurface> loaded = load(command.input, command.clean, context, terminal);
+  if (!loaded) return fail(terminal, loaded.error());
+  const InputSurface& input = loaded.value();
+  Result<SurfaceDiagnosis> found = diagnose(input.surface(), context);
   if (!found) return fail(terminal, found.error());
-  const SurfaceDiagnosis& diagnosis = found.value();
+  SurfaceDiagnosis& diagnosis = found.value();
+  explain_in_file(input, diagnosis);
   watchdog.dismiss();
   if (!command.save_curves.empty())
     if (Status s = write_curves(command.save_curves, diagnosis.curves, format, context); !s)
       return fail(terminal, s.error());
   terminal.clear();
-  const Findings findings{surface.value(), info, diagnosis, command.pairs, command.curves};
+  const Findings findings{input, input.surface(), input.info, diagnosis, command.pairs, command.curves};
   if (command.json)
     std::puts(to_json(findings).dump(2, ' ', false, Json::error_handler_t::replace).c_str());
   else

@@ -115,20 +115,26 @@ Surface surface_of(const Surface& input, const Meshing& made) {
 Result<Meshing> make_mesh(const MeshCommand& command, TetFormat format, const RunContext& context,
                           Terminal& terminal, const std::function<void()>& dismiss, Report& report) {
   context.report("read", 0);
-  SurfaceReadInfo info;
-  const Result<Surface> surface = read_surface(command.input, &info, context);
-  if (!surface) {
+  const Result<InputSurface> loaded = load(command.input, command.clean, context, terminal);
+  if (!loaded) {
     dismiss();
-    report.input.format = info.format;
-    report.input.notes = info.notes;
-    return surface.error();
+    return loaded.error();
   }
-  for (const std::string& note : info.notes) terminal.say(note);
-  Result<Meshing> made = tetrahedralize(surface.value(), meshing_options(command), context, &report);
-  report.input.format = info.format;
-  report.input.notes = info.notes;
+  const InputSurface& input = loaded.value();
+  const auto tell = [&] {
+    report.input.format = input.info.format;
+    report.input.notes = input.info.notes;
+    if (input.cleanup.changed()) report.input.cleanup = record_of(input.cleanup, input.info.source);
+  };
+  if (input.cleanup.problem) {
+    tell();
+    dismiss();
+    return *input.cleanup.problem;
+  }
+  Result<Meshing> made = tetrahedralize(input.surface(), meshing_options(command), context, &report);
+  tell();
   dismiss();
-  if (!made) return made;
+  if (!made) return input.in_file(made.error());
   if (interrupt_flag()) return Error{ErrorCode::interrupted, "Interrupted; nothing was written."};
   context.report("write", 0);
   if (!command.save_surface.empty())

@@ -14,6 +14,7 @@ int run(const RepairCommand& command, const CommonOptions& common, Terminal& ter
     mesh.input = command.input, mesh.output = command.output, mesh.report = command.report;
     mesh.on_infeasible = "repair";
     mesh.max_move = command.max_move;
+    mesh.clean = command.clean;
     return run(mesh, common, terminal);
   }
   if (!format) return fail(terminal, format.error());
@@ -27,13 +28,15 @@ int run(const RepairCommand& command, const CommonOptions& common, Terminal& ter
   const RunContext context = common.context(terminal);
   Watchdog watchdog(context.deadline, context.memory_limit_bytes,
                     [&](const Error& error) { terminal.error(with_hint(error)); });
-  const Result<Surface> surface = read_surface(command.input, nullptr, context);
-  if (!surface) return fail(terminal, surface.error());
+  const Result<InputSurface> loaded = load(command.input, command.clean, context, terminal);
+  if (!loaded) return fail(terminal, loaded.error());
+  const InputSurface& input = loaded.value();
+  if (input.cleanup.problem) return fail(terminal, *input.cleanup.problem);
   SurfaceRepairOptions options;
   options.max_relative_move = command.max_move / 100;
-  const Result<SurfaceRepair> repaired = repair_surface(surface.value(), options, context);
+  const Result<SurfaceRepair> repaired = repair_surface(input.surface(), options, context);
   watchdog.dismiss();
-  if (!repaired) return fail(terminal, repaired.error());
+  if (!repaired) return fail(terminal, input.in_file(repaired.error()));
   if (interrupt_flag()) return fail(terminal, {ErrorCode::interrupted, "Interrupted; nothing was written."});
   const SurfaceRepair& r = repaired.value();
   if (Status s = write_surface(command.output, r.surface, format.value(), context); !s)

@@ -12,16 +12,16 @@ int run(const VerifyCommand& command, const CommonOptions& common, Terminal& ter
   const RunContext context = common.context(terminal);
   Watchdog watchdog(context.deadline, context.memory_limit_bytes,
                     [&](const Error& error) { terminal.error(with_hint(error)); });
-  SurfaceReadInfo info;
-  const Result<Surface> surface = read_surface(command.surface, &info, context);
-  if (!surface) return fail(terminal, surface.error());
+  const Result<InputSurface> loaded = load(command.surface, command.clean, context, terminal);
+  if (!loaded) return fail(terminal, loaded.error());
+  const InputSurface& input = loaded.value();
   const Result<TetMesh> mesh = read_tets(command.mesh, context);
   if (!mesh) return fail(terminal, mesh.error());
   VerifyOptions options;
-  options.geometry_only = !info.has_vertex_order;
   options.allow_branches = command.allow_branches;
+  options.geometry_only = !input.info.has_vertex_order;
   options.max_move = command.max_move / 100;
-  const VerifyResult r = verify(surface.value(), mesh.value(), options, context);
+  const VerifyResult r = verify(input.surface(), mesh.value(), options, context);
   if (!r.complete)
     return fail(terminal, context.stop().value_or(Error{ErrorCode::interrupted, "Interrupted."}));
   const bool readable = !r.fails(Rule::R1);

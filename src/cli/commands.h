@@ -5,6 +5,7 @@
 #include <string>
 
 #include "overtet/run_context.h"
+#include "src/cli/input.h"
 #include "src/cli/terminal.h"
 
 namespace overtet {
@@ -26,23 +27,27 @@ struct MeshCommand {
   std::string on_infeasible = "reject", preset = "default";
   double improve_degrees = 17;
   double max_move = 6;  // percent of the diagonal, of a repair
+  InputOptions clean;
 };
 
 struct InspectCommand {
   std::string input, save_curves;
   bool json = false, pairs = false, curves = false;
+  InputOptions clean;
 };
 
 struct RepairCommand {
   std::string input, output, report;
   bool surface_only = false;
   double max_move = 6;  // percent of the diagonal
+  InputOptions clean;
 };
 
 struct VerifyCommand {
   std::string surface, mesh;
   double max_move = 0;  // percent of the diagonal
   bool allow_branches = false;
+  InputOptions clean;
   bool json = false;
 };
 

@@ -76,7 +76,7 @@ void cut_polygon(const VertexMatrix& V, std::span<const Index> corners, std::vec
 
 }  // namespace
 
-Surface triangulate(const Polygons& polygons, std::int64_t& cut) {
+Surface triangulate(const Polygons& polygons, std::int64_t& cut, std::vector<Index>& face_of) {
   Surface s;
   s.V = Eigen::Map<const VertexMatrix>(polygons.xyz.data(),
                                        static_cast<Eigen::Index>(polygons.xyz.size() / 3), 3);
@@ -86,16 +86,27 @@ Surface triangulate(const Polygons& polygons, std::int64_t& cut) {
                                            static_cast<Eigen::Index>(polygons.sizes.size()), 3);
     return s;
   }
-  std::vector<Index> triangles;
+  std::vector<Index> triangles, ring, repeats;
   triangles.reserve(3 * (polygons.corners.size() - 2 * polygons.sizes.size()));
+  face_of.reserve(polygons.corners.size() - 2 * polygons.sizes.size());
   std::size_t at = 0;
-  for (const Index n : polygons.sizes) {
-    const std::span<const Index> corners(&polygons.corners[at], static_cast<std::size_t>(n));
-    if (n == 3)
+  for (std::size_t f = 0; f < polygons.sizes.size(); ++f) {
+    const auto n = static_cast<std::size_t>(polygons.sizes[f]);
+    const std::span<const Index> corners(&polygons.corners[at], n);
+    at += n;
+    face_of.insert(face_of.end(), n - 2, static_cast<Index>(f));
+    if (n == 3) {
       triangles.insert(triangles.end(), corners.begin(), corners.end());
+      continue;
+    }
+    ring.clear(), repeats.clear();
+    for (std::size_t k = 0; k < n; ++k)
+      (corners[k] == corners[(k + 1) % n] && repeats.size() + 3 < n ? repeats : ring).push_back(corners[k]);
+    if (ring.size() == 3)
+      triangles.insert(triangles.end(), ring.begin(), ring.end());
     else
-      cut_polygon(s.V, corners, triangles);
-    at += static_cast<std::size_t>(n);
+      cut_polygon(s.V, ring, triangles);
+    for (const Index v : repeats) triangles.insert(triangles.end(), {v, v, ring[0] == v ? ring[1] : ring[0]});
   }
   s.F =
       Eigen::Map<const TriangleMatrix>(triangles.data(), static_cast<Eigen::Index>(triangles.size() / 3), 3);

@@ -1,5 +1,5 @@
 // Polylines with data, for looking at: VTP (ParaView; one line cell a segment, data on cells and points) and
-// OBJ (one group with one `l` element a line, no data). Internal to src/io.
+// OBJ (one group with one `l` element a line, no data).
 #pragma once
 
 #include <array>

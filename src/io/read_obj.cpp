@@ -8,6 +8,7 @@ namespace overtet::io_detail {
 // Reads v and f lines; everything else that looks like an OBJ keyword is ignored.
 Result<Polygons> parse_obj(std::string_view name, std::string_view bytes, SurfaceReadInfo& info) {
   info.format = "OBJ";
+  info.source.first = 1;
   if (const std::int64_t line = line_of_nul(bytes))
     return malformed(name, "line " + std::to_string(line) + " contains a NUL byte, so it is not text");
   TextCursor in(name, bytes, true);
@@ -23,6 +24,7 @@ Result<Polygons> parse_obj(std::string_view name, std::string_view bytes, Surfac
       for (double& x : p)
         if (!in.real(x, which)) return in.error();
       out.xyz.insert(out.xyz.end(), p, p + 3);
+      out.vertex_line.push_back(static_cast<std::uint32_t>(in.line()));
       if (++vertices > kMaxCount)
         return malformed(name,
                          "the file has more than 2147483647 vertices, the most that Overtet can number");
@@ -30,6 +32,7 @@ Result<Polygons> parse_obj(std::string_view name, std::string_view bytes, Surfac
       const auto face = static_cast<std::int64_t>(out.sizes.size()) + 1;
       const auto which = [&] { return "face " + std::to_string(face); };
       Index size = 0;
+      out.face_line.push_back(static_cast<std::uint32_t>(in.line()));
       while (!in.at_line_end()) {
         std::string_view corner = in.token();
         const std::string_view whole = corner;

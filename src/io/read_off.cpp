@@ -3,46 +3,100 @@
 
 namespace overtet::io_detail {
 
-// Vertices and faces are one a line; what follows the coordinates or the indices (colours, normals) is
-// ignored. "4OFF" and "nOFF" (other dimensions) and the binary variant are refused.
+namespace {
+
+// "OFF", or a variant whose lines begin in the same way; the order of the prefixes is not held against it.
+Status check_variant(std::string_view name, std::string_view word) {
+  std::string_view rest = word;
+  for (bool found = true; found;) {
+    found = false;
+    for (const std::string_view prefix : {"ST", "C", "N"})
+      if (rest.substr(0, prefix.size()) == prefix) rest.remove_prefix(prefix.size()), found = true;
+  }
+  if (rest == "OFF" || word == "off") return success();
+  if (rest == "4OFF" || rest == "nOFF" || rest == "4nOFF")
+    return malformed(
+        name, quoted(word) + " is a surface in another dimension; Overtet reads three coordinates a vertex");
+  return malformed(name, quoted(word) + " is not a variant of OFF that Overtet reads");
+}
+
+struct Counts {
+  std::int64_t vertices = 0, faces = 0;
+};
+
+// False: the cursor has the error.
+bool read_counts(TextCursor& in, Counts& n) {
+  if (!in.integer(n.vertices, [] { return "the number of vertices"; })) return false;
+  if (!in.integer(n.faces, [] { return "the number of faces"; })) return false;
+  std::int64_t edges = 0;
+  if (!in.at_line_end() && !in.integer(edges, [] { return "the number of edges"; })) return false;
+  if (n.vertices < 0 || n.faces < 0)
+    return in.fail(std::to_string(n.vertices < 0 ? n.vertices : n.faces) + " cannot be a number of " +
+                   (n.vertices < 0 ? "vertices" : "faces"));
+  // The shortest vertex line is "0 0 0\n", the shortest face line "3 0 1 2\n".
+  const auto left = static_cast<std::int64_t>(in.bytes_left()) + 1;
+  if (n.vertices > kMaxCount || n.faces > kMaxCount || n.vertices > left / 6 || n.faces > left / 8 ||
+      6 * n.vertices + 8 * n.faces > left + 1)
+    return in.fail("the file is too short for " + std::to_string(n.vertices) + " vertices and " +
+                   std::to_string(n.faces) + " faces");
+  in.next_line();
+  return true;
+}
+
+// A face is on one line, with what may follow (colours); or on several, which nothing else is on. False: the
+// cursor has the error.
+bool read_face(TextCursor& in, std::int64_t f, std::int64_t vertices, Polygons& out) {
+  const auto which = [&] { return "face " + std::to_string(f); };
+  std::int64_t size = 0;
+  const std::int64_t line = in.line();
+  if (!in.integer(size, which)) return false;
+  if (size >= 3 && size < 1000 && size > static_cast<std::int64_t>(in.bytes_left()))
+    return in.fail("the file ends inside face " + std::to_string(f));
+  if (size < 3 || size > static_cast<std::int64_t>(in.bytes_left()))
+    return in.fail("a face cannot have " + std::to_string(size) + " corners (" + which() + ")");
+  for (std::int64_t k = 0; k < size; ++k) {
+    std::int64_t v = 0;
+    if (in.at_line_end() && !in.to_token()) return in.fail("the file ends inside face " + std::to_string(f));
+    if (!in.integer(v, which)) return false;
+    if (v < 0 || v >= vertices)
+      return in.fail("there is no vertex " + std::to_string(v) + "; vertices are numbered from 0 to " +
+                     std::to_string(vertices - 1) + " (" + which() + ")");
+    out.corners.push_back(static_cast<Index>(v));
+  }
+  if (in.line() != line && !in.at_line_end())
+    return in.fail_at(line,
+                      "a number is missing, or the line that the face ends on goes on (" + which() + ")");
+  out.sizes.push_back(static_cast<Index>(size));
+  in.next_line();
+  return true;
+}
+
+}  // namespace
+
+// Vertices are one a line; what follows the coordinates (colours, normals, texture) is ignored.
 Result<Polygons> parse_off(std::string_view name, std::string_view bytes, SurfaceReadInfo& info) {
   if (const std::int64_t line = line_of_nul(bytes))
     return malformed(name, "line " + std::to_string(line) + " contains a NUL byte, so it is not text");
   TextCursor in(name, bytes, true);
   if (!in.to_token()) return malformed(name, "the file is empty");
-  std::string_view header = in.token();
+  const std::string_view header = in.token();
   info.format = std::string(header);
-  for (const std::string_view prefix : {"ST", "C", "N"})
-    if (header.substr(0, prefix.size()) == prefix) header.remove_prefix(prefix.size());
-  if (header != "OFF")
-    return malformed(name, quoted(info.format) + " is not a variant of OFF that Overtet reads");
+  if (Status s = check_variant(name, header); !s) return s.error();
   if (!in.to_token()) return malformed(name, "the file ends before the numbers of vertices and faces");
-  std::int64_t vertices = 0, faces = 0;
-  if (!in.integer(vertices, [] { return "the number of vertices"; })) return in.error();
-  if (!in.integer(faces, [] { return "the number of faces"; })) return in.error();
-  std::int64_t edges = 0;
-  if (!in.at_line_end() && !in.integer(edges, [] { return "the number of edges"; })) return in.error();
-  if (vertices < 0 || faces < 0) {
-    in.fail(std::to_string(vertices < 0 ? vertices : faces) + " cannot be a number of " +
-            (vertices < 0 ? "vertices" : "faces"));
-    return in.error();
-  }
-  // The shortest vertex line is "0 0 0\n", the shortest face line "3 0 1 2\n".
-  const auto left = static_cast<std::int64_t>(in.bytes_left()) + 1;
-  if (vertices > kMaxCount || faces > kMaxCount || vertices > left / 6 || faces > left / 8 ||
-      6 * vertices + 8 * faces > left + 1) {
-    in.fail("the file is too short for " + std::to_string(vertices) + " vertices and " +
-            std::to_string(faces) + " faces");
-    return in.error();
-  }
-  in.next_line();
-
+  if (!in.at_line_end() && bytes.substr(bytes.size() - in.bytes_left(), 6) == "BINARY")
+    return malformed(name, "binary OFF is not read; write it as text, or as PLY");
+  Counts n;
+  if (!read_counts(in, n)) return in.error();
+  const auto [vertices, faces] = n;
   Polygons out;
   out.xyz.resize(static_cast<std::size_t>(3 * vertices));
+  out.vertex_line.reserve(static_cast<std::size_t>(vertices));
+  out.face_line.reserve(static_cast<std::size_t>(faces));
   for (std::int64_t v = 0; v < vertices; ++v) {
     if (!in.to_token())
       return malformed(
           name, "the file ends after " + std::to_string(v) + " of " + std::to_string(vertices) + " vertices");
+    out.vertex_line.push_back(static_cast<std::uint32_t>(in.line()));
     for (int k = 0; k < 3; ++k)
       if (!in.real(out.xyz[static_cast<std::size_t>(3 * v + k)],
                    [&] { return "vertex " + std::to_string(v); }))
@@ -52,30 +106,11 @@ Result<Polygons> parse_off(std::string_view name, std::string_view bytes, Surfac
   out.corners.reserve(static_cast<std::size_t>(3 * faces));
   out.sizes.reserve(static_cast<std::size_t>(faces));
   for (std::int64_t f = 0; f < faces; ++f) {
-    const auto which = [&] { return "face " + std::to_string(f); };
     if (!in.to_token())
       return malformed(
           name, "the file ends after " + std::to_string(f) + " of " + std::to_string(faces) + " faces");
-    std::int64_t size = 0;
-    if (!in.integer(size, which)) return in.error();
-    if (size >= 3 && size < 1000 && size > static_cast<std::int64_t>(in.bytes_left()))
-      return malformed(name, "the file ends inside face " + std::to_string(f));
-    if (size < 3 || size > static_cast<std::int64_t>(in.bytes_left())) {
-      in.fail("a face cannot have " + std::to_string(size) + " corners (" + which() + ")");
-      return in.error();
-    }
-    for (std::int64_t k = 0; k < size; ++k) {
-      std::int64_t v = 0;
-      if (!in.integer(v, which)) return in.error();
-      if (v < 0 || v >= vertices) {
-        in.fail("there is no vertex " + std::to_string(v) + "; vertices are numbered from 0 to " +
-                std::to_string(vertices - 1) + " (" + which() + ")");
-        return in.error();
-      }
-      out.corners.push_back(static_cast<Index>(v));
-    }
-    out.sizes.push_back(static_cast<Index>(size));
-    in.next_line();
+    out.face_line.push_back(static_cast<std::uint32_t>(in.line()));
+    if (!read_face(in, f, vertices, out)) return in.error();
   }
   return out;
 }

@@ -95,11 +95,13 @@ class Source {
   virtual bool begin_element() = 0;
   virtual std::int64_t bytes_left() const = 0;
   virtual std::string place() const = 0;  // for messages
+  virtual std::int64_t line() const { return 0; }
 
   Error error;
   std::string_view name;
   const char* element = "";
   std::int64_t number = 0;
+  std::int64_t first_extra = 0;  // the first line with more values than the header names
 
   std::string which() const { return std::string(element) + " " + std::to_string(number); }
   bool fail(const std::string& what) {
@@ -140,19 +142,27 @@ class TextSource final : public Source {
   }
   bool begin_element() override { return in_.to_token() || fail("the file ends before " + which()); }
   bool end_element() override {
-    if (!in_.at_line_end()) return fail("there are more values than the header declares (" + which() + ")");
+    if (!in_.at_line_end() && first_extra == 0) first_extra = in_.line();
     in_.next_line();
     return true;
   }
   std::int64_t bytes_left() const override { return static_cast<std::int64_t>(in_.bytes_left()); }
-  std::string place() const override { return "line " + std::to_string(in_.line()) + ": "; }
+  std::string place() const override { return "line " + std::to_string(line()) + ": "; }
+  std::int64_t line() const override { return in_.line(); }
 
  private:
   TextCursor in_;
 };
 
-bool index_list(const Property& p) {
-  return p.list && (p.name == "vertex_indices" || p.name == "vertex_index");
+// Whether the property lists the corners of a face: it is called so, or is the only list.
+bool index_list(const Element& face, const Property& p) {
+  if (!p.list) return false;
+  const auto named = [](const Property& q) {
+    return q.list && (q.name == "vertex_indices" || q.name == "vertex_index");
+  };
+  if (std::any_of(face.properties.begin(), face.properties.end(), named)) return named(p);
+  return std::count_if(face.properties.begin(), face.properties.end(),
+                       [](const Property& q) { return q.list; }) == 1;
 }
 
 Status read_body(Source& in, const std::vector<Element>& elements, Polygons& out) {
@@ -167,16 +177,21 @@ Status read_body(Source& in, const std::vector<Element>& elements, Polygons& out
       const Property& p = e.properties[i];
       if (is_vertex && !p.list && p.name.size() == 1 && p.name[0] >= 'x' && p.name[0] <= 'z')
         role[i] = p.name[0] - 'x';
-      if (is_face && index_list(p)) role[i] = 3;
+      if (is_face && index_list(e, p)) role[i] = 3;
     }
     if (is_vertex) out.xyz.resize(static_cast<std::size_t>(3 * e.count));
     if (is_face) {
       out.sizes.reserve(static_cast<std::size_t>(e.count));
       out.corners.reserve(static_cast<std::size_t>(3 * e.count));
     }
+    std::vector<std::uint32_t>* const lines = in.line() == 0 ? nullptr
+                                              : is_vertex    ? &out.vertex_line
+                                              : is_face      ? &out.face_line
+                                                             : nullptr;
     for (std::int64_t n = 0; n < e.count; ++n) {
       in.number = n;
       if (!in.begin_element()) return in.error;
+      if (lines) lines->push_back(static_cast<std::uint32_t>(in.line()));
       for (std::size_t i = 0; i < e.properties.size(); ++i) {
         const Property& p = e.properties[i];
         double x = 0;
@@ -239,9 +254,9 @@ Result<Property> read_property(TextCursor& in) {
   std::string_view type = word();
   if (type == "list") {
     p.list = true;
-    const auto count_type = type_named(word());
-    if (!count_type || *count_type == Type::f32 || *count_type == Type::f64)
-      return bad("the length of a list needs an integer type");
+    const std::string_view count_name = word();
+    const auto count_type = type_named(count_name);
+    if (!count_type) return bad(quoted(count_name) + " is not a PLY type");
     p.count_type = *count_type;
     type = word();
   }
@@ -312,7 +327,7 @@ Status check_header(std::string_view name, const Header& header, std::int64_t bo
     for (const Property& p : e.properties) {
       each += text ? 2 : size_of(p.list ? p.count_type : p.type);
       if (!p.list && (p.name == "x" || p.name == "y" || p.name == "z")) ++coordinates;
-      if (index_list(p)) ++lists;
+      if (index_list(e, p)) ++lists;
     }
     if (e.name == "vertex" && coordinates != 3) return malformed(name, "the vertices have no x, y and z");
     if (e.name == "face" && lists != 1) return malformed(name, "the faces have no list of vertex_indices");
@@ -358,6 +373,9 @@ Result<Polygons> parse_ply(std::string_view name, std::string_view bytes, Surfac
     TextSource source(name, body, line);
     source.name = name;
     status = read_body(source, elements, out);
+    if (source.first_extra > 0)
+      info.notes.push_back("Values that the header does not name were ignored, from line " +
+                           std::to_string(source.first_extra) + " on.");
   } else {
     BinarySource source(body, little != (std::endian::native == std::endian::little));
     source.name = name;

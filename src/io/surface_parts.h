@@ -21,6 +21,8 @@ struct Polygons {
   std::vector<double> xyz;
   std::vector<Index> corners;
   std::vector<Index> sizes;  // of each face, at least 3
+  // On which they begin; empty in binary files, and where no one asks for them. Of STL: of the first corner.
+  std::vector<std::uint32_t> vertex_line, face_line;
 };
 
 inline Error malformed(std::string_view file, const std::string& what) {
@@ -32,9 +34,12 @@ Result<Polygons> parse_obj(std::string_view name, std::string_view bytes, Surfac
 Result<Polygons> parse_ply(std::string_view name, std::string_view bytes, SurfaceReadInfo& info);
 Result<Polygons> parse_ascii_stl(std::string_view name, std::string_view bytes, SurfaceReadInfo& info);
 Result<Polygons> parse_binary_stl(std::string_view name, std::string_view bytes, SurfaceReadInfo& info);
-bool is_binary_stl(std::string_view bytes);
+// longer: also where something follows the triangles.
+bool is_binary_stl(std::string_view bytes, bool longer = false);
 
-// Cuts the polygons into triangles, in order; counts the ones that were not triangles.
-Surface triangulate(const Polygons& polygons, std::int64_t& cut);
+// Cuts the polygons into triangles, in order; counts the ones that were not triangles. A polygon of n corners
+// becomes n - 2 triangles; a corner that is named twice in a row is left out and comes last, as a triangle
+// with two equal corners. face_of: of each triangle its polygon, where some were cut.
+Surface triangulate(const Polygons& polygons, std::int64_t& cut, std::vector<Index>& face_of);
 
 }  // namespace overtet::io_detail

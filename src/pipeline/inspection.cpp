@@ -31,12 +31,15 @@ std::optional<Error> wrong_shape(const Surface& s, UnitBox& box) {
   Result<UnitBox> fits = into_unit_box(V);
   if (!fits) return fits.error();
   box = fits.value();
-  if (const std::vector<Index> flat = flat_faces({V, s.F}, kRoundedHeight); !flat.empty())
-    return bad_input(
+  if (const std::vector<Index> flat = flat_faces({V, s.F}, kRoundedHeight); !flat.empty()) {
+    Error error = bad_input(
         "Face " + std::to_string(flat[0]) +
         (flat.size() > 1 ? " (and " + std::to_string(flat.size() - 1) + " more)" : std::string()) +
         " is so thin that its area is lost in rounding: no tet with volume can have it as a face. Move a "
         "corner or collapse an edge.");
+    error.face = flat[0];
+    return error;
+  }
   if (lies_in_a_plane(s))
     return bad_input("The surface is flat: all vertices lie in one plane, so there is no inside to mesh.");
   return std::nullopt;

@@ -14,6 +14,22 @@ Json value_of(const Figure& figure) {
   return std::visit([](const auto& x) { return Json(x); }, figure.second);
 }
 
+Json runs_of(const std::vector<NumberRun>& runs) {
+  Json j = Json::array();
+  for (const NumberRun& r : runs) j.push_back({r.first, r.in_file, r.count, r.each});
+  return j;
+}
+
+Json to_json(const CleanupRecord& r) {
+  Json j;
+  j["steps"] = Json::object();
+  for (const auto& [kind, count] : r.steps) j["steps"][kind] = count;
+  j["vertices"] = runs_of(r.vertices);
+  j["faces"] = runs_of(r.faces);
+  j["turned"] = r.turned;
+  return j;
+}
+
 }  // namespace
 
 const char* name_of(RunStatus status) {
@@ -74,6 +90,7 @@ std::string to_json(const Report& r) {
   input["winding_max"] = r.input.winding_max ? Json(*r.input.winding_max) : Json();
   input["format"] = r.input.format;
   if (!r.input.notes.empty()) input["notes"] = r.input.notes;
+  if (r.input.cleanup) input["clean_up"] = to_json(*r.input.cleanup);
   j["status"] = name_of(r.status);
   j["message"] = r.message;
   if (r.certificate) j["witness"] = Json::parse(to_json(*r.certificate));

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -230,8 +231,6 @@ TEST(SurfaceIo, MalformedFilesAreRefusedWithTheirPlace) {
   const std::string face = "element face 4\nproperty list uchar int vertex_index\nend_header\n";
   expect_refused(read("a.ply", head + face), {"too short"});
   expect_refused(read("a.ply", head + "element face 1\n" + v), {"end_header"});
-  expect_refused(read("a.ply", head + face + v + "3 0 2 1\n3 0 1 3 2\n3 1 2 3\n3 0 3 2\n"),
-                 {"line 15", "more values"});
   expect_refused(read("a.ply", head + face + v + "3 0 2 1\n3 0 1\n3 1 2 3\n3 0 3 2\n"),
                  {"line 15", "missing"});
   expect_refused(read("a.ply", "ply\nformat ebcdic 1.0\n" + face), {"ebcdic"});
@@ -245,6 +244,127 @@ TEST(SurfaceIo, MalformedFilesAreRefusedWithTheirPlace) {
   EXPECT_EQ(absent.error().code, ErrorCode::io);
   const TemporaryFolder folder;
   EXPECT_EQ(read_surface(folder.path()).error().code, ErrorCode::io);
+}
+
+// What other programs read, and one test each: a bug a test.
+
+TEST(SurfaceIo, OffFacesMayTakeSeveralLines) {
+  const std::string head = std::string("OFF\n4 4 6\n") + kTetrahedron;
+  SurfaceReadInfo info;
+  expect_tetrahedron(read("a.off", head + "3 0 \n 2\n1\n3 0 1 3\n3\n1 2\n3\n3 0 3 2\n", &info));
+  EXPECT_EQ(info.source.face_line, (std::vector<std::uint32_t>{7, 10, 11, 14}));
+  // A line that is too short does not take the next face's numbers.
+  expect_refused(read("a.off", head + "3 0 2 1\n3 0 1\n3 1 2 3\n3 0 3 2\n"), {"line 8", "face 1"});
+}
+
+TEST(SurfaceIo, VariantsOfOffAreRead) {
+  const std::string faces = kFaces0;
+  expect_tetrahedron(
+      read("a.off", "NOFF\n4 4 0\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n0 0 1 0 0 1\n" + faces));
+  expect_tetrahedron(read("a.off", "STOFF\n4 4 0\n0 0 0 0 1\n1 0 0 0 1\n0 1 0 0 1\n0 0 1 0 1\n" + faces));
+  expect_tetrahedron(read("a.off", "NCOFF 4 4 0\n0 0 0 9\n1 0 0 9\n0 1 0 9\n0 0 1 9\n" + faces));
+  expect_tetrahedron(read("a.off", std::string("off\n4 4 0\n") + kTetrahedron + faces));
+  expect_refused(read("a.off", "4OFF\n1 1 0\n0 0 0 1\n"), {"4OFF", "dimension"});
+  expect_refused(read("a.off", "OFF BINARY\n" + faces), {"binary OFF"});
+}
+
+TEST(SurfaceIo, NulsAtTheEndOfATextAreIgnored) {
+  const std::string off = std::string("OFF\n4 4 6\n") + kTetrahedron + kFaces0;
+  expect_tetrahedron(read("a.off", off + std::string(1, '\0')));
+  expect_tetrahedron(read("a.off", off + std::string(700, '\0')));
+  const std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+  expect_tetrahedron(read("a.obj", obj + std::string(1, '\0')));
+}
+
+TEST(SurfaceIo, LinesMayEndWithACarriageReturnAlone) {
+  std::string obj = "# old\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+  std::replace(obj.begin(), obj.end(), '\n', '\r');
+  SurfaceReadInfo info;
+  expect_tetrahedron(read("a.obj", obj, &info));
+  EXPECT_EQ(info.source.vertex_line, (std::vector<std::uint32_t>{2, 3, 4, 5}));
+  std::string off = std::string("OFF\n4 4 6\n") + kTetrahedron + kFaces0;
+  std::replace(off.begin(), off.end(), '\n', '\r');
+  expect_tetrahedron(read("a.off", off));
+}
+
+TEST(SurfaceIo, ObjLinesMayBeVeryLongOrGoOn) {
+  std::string obj =
+      "# " + std::string(3000000, 'x') + "\nv 0 0 0\nv 1 \\\n 0 0\nv 0 1 0\nv 0 0 1\nf 1 \\\r\n3 2\nf 1";
+  obj += std::string(1000000, ' ') + "2 4\nf 2 3 4\nf -4 -1 -2\n";
+  expect_tetrahedron(read("a.obj", obj));
+}
+
+TEST(SurfaceIo, PlyMayHaveMoreValuesAndAnyTypesOfLists) {
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n";
+  SurfaceReadInfo info;
+  expect_tetrahedron(
+      read("a.ply",
+           head + "element face 4\nproperty list uchar int vertex_indices\nend_header\n0 0 0 1\n1 0 0 1\n"
+                  "0 1 0\n0 0 1\n3 0 2 1 255 0 0\n3 0 1 3\n3 1 2 3\n3 0 3 2\n",
+           &info));
+  ASSERT_EQ(info.notes.size(), 1u);
+  EXPECT_NE(info.notes[0].find("line 10"), std::string::npos) << info.notes[0];
+  expect_tetrahedron(
+      read("a.ply", head + "property list int float weights\nelement face 4\nproperty list float "
+                           "double vertex_index\nproperty list uint char more\nend_header\n0 0 0 2 .5 .5\n"
+                           "1 0 0 0\n0 1 0 0\n0 0 1 1 1\n3 0 2 1 0\n3 0 1 3 1 7\n3 1 2 3 0\n3 0 3 2 0\n"));
+  expect_tetrahedron(read("a.ply", head + "element face 4\nproperty list ushort uint corners\nend_header\n" +
+                                       kTetrahedron + "3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n"));
+}
+
+TEST(SurfaceIo, EndSolidMayBeTwoWords) {
+  const char* const corners[] = {"0 0 0", "1 0 0", "0 1 0", "0 0 1"};
+  const int f[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  std::string text = "SOLID a\n";
+  for (const auto& t : f) {
+    text += "facet normal 0 0 0\nouter loop\n";
+    for (const int v : t) text += std::string("vertex ") + corners[v] + "\n";
+    text += "end loop\nend facet\n";
+  }
+  const Result<Surface> s = read("a.stl", text + "end solid\n");
+  ASSERT_TRUE(s.ok()) << s.error().message;
+  EXPECT_TRUE(test::is_closed_oriented(s.value()));
+}
+
+TEST(SurfaceIo, BytesBehindABinaryStlAreIgnored) {
+  std::string stl(80, ' ');
+  append(stl, std::uint32_t{1}, false);
+  for (int i = 0; i < 12; ++i) append(stl, static_cast<float>(i * i % 7), false);
+  append(stl, std::uint16_t{0}, false);
+  SurfaceReadInfo info;
+  const Result<Surface> s = read("a.stl", stl + "more", &info);
+  ASSERT_TRUE(s.ok()) << s.error().message;
+  EXPECT_EQ(s.value().F.rows(), 1);
+  EXPECT_EQ(info.notes.size(), 1u);
+}
+
+TEST(SurfaceIo, APolygonMayNameACornerTwice) {
+  SurfaceReadInfo info;
+  const Result<Surface> s = read(
+      "a.obj",
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv .5 .5 1\nf 1 4 4 3 2\nf 1 2 5 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n",
+      &info);
+  ASSERT_TRUE(s.ok()) << s.error().message;
+  ASSERT_EQ(s.value().F.rows(), 8);
+  EXPECT_EQ(info.source.face, (std::vector<Index>{0, 0, 0, 1, 1, 2, 3, 4}));
+  int flat = 0;
+  for (Index f = 0; f < 8; ++f)
+    flat += s.value().F(f, 0) == s.value().F(f, 1) || s.value().F(f, 1) == s.value().F(f, 2) ||
+            s.value().F(f, 2) == s.value().F(f, 0);
+  EXPECT_EQ(flat, 2);
+}
+
+TEST(SurfaceIo, PlacesInTheFileAreKnown) {
+  SurfaceReadInfo info;
+  const Result<Surface> s = read(
+      "a.obj",
+      "# x\nv 0 0 0\n\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 \\\n4\nf 1 4 3\n", &info);
+  expect_tetrahedron(s);
+  EXPECT_EQ(info.source.vertex_name(0), "vertex 1 (line 2)");
+  EXPECT_EQ(info.source.vertex_name(3), "vertex 4 (line 7)");
+  EXPECT_EQ(info.source.face_name(2), "face 3 (line 10)");
+  EXPECT_EQ(info.source.face_name(3), "face 4 (line 12)");
 }
 
 // Cutting a good file anywhere, or changing any byte, never does harm.
