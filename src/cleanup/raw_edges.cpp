@@ -12,6 +12,10 @@
 
 namespace overtet {
 
+bool runs_up(const TriangleMatrix& F, const std::vector<Index>& place, Index h) {
+  return place[half_edge_source(F, h)] < place[half_edge_target(F, h)];
+}
+
 namespace {
 
 void pair_up(RawEdges& e, Index begin) {
@@ -67,8 +71,14 @@ void find_places(const VertexMatrix& V, const TriangleMatrix& F, RawEdges& e) {
   }
 }
 
-// Puts odd edges together whose ends are in the same places.
-void join_odd_edges(const TriangleMatrix& F, RawEdges& e) {
+// Whether the faces of two half-edges in one place are one face twice.
+bool are_copies(const VertexMatrix& V, const TriangleMatrix& F, const RawEdges& e, Index g, Index h) {
+  return runs_up(F, e.place, g) == runs_up(F, e.place, h) &&
+         V.row(half_edge_opposite(F, g)) == V.row(half_edge_opposite(F, h));
+}
+
+// Puts odd edges together whose ends are in the same places; but not the borders of a sheet and its copy.
+void join_odd_edges(const VertexMatrix& V, const TriangleMatrix& F, RawEdges& e) {
   struct Odd {
     Index low, high, half_edge;
     auto operator<=>(const Odd&) const = default;
@@ -92,18 +102,18 @@ void join_odd_edges(const TriangleMatrix& F, RawEdges& e) {
     for (j = i; j < end && odd[j].low == odd[i].low && odd[j].high == odd[i].high; ++j)
       e.list.push_back(odd[j].half_edge);
     const EdgeGroup g{static_cast<Index>(e.list.size()) - (j - i), j - i};
-    if (g.count == 2)
-      pair_up(e, g.begin);
-    else
+    if (g.count != 2) {
       e.others.push_back(g);
+    } else if (!are_copies(V, F, e, e.list[g.begin], e.list[g.begin + 1])) {
+      pair_up(e, g.begin);
+    } else {
+      e.others.push_back({g.begin, 1});
+      e.others.push_back({g.begin + 1, 1});
+    }
   }
 }
 
 }  // namespace
-
-bool runs_up(const TriangleMatrix& F, const std::vector<Index>& place, Index h) {
-  return place[half_edge_source(F, h)] < place[half_edge_target(F, h)];
-}
 
 RawEdges find_edges(const VertexMatrix& V, const TriangleMatrix& F) {
   RawEdges e;
@@ -113,7 +123,7 @@ RawEdges find_edges(const VertexMatrix& V, const TriangleMatrix& F) {
   if (std::none_of(e.others.begin(), e.others.end(), [](const EdgeGroup& g) { return g.count % 2 == 1; }))
     return e;
   find_places(V, F, e);
-  if (e.merges) join_odd_edges(F, e);
+  if (e.merges) join_odd_edges(V, F, e);
   return e;
 }
 

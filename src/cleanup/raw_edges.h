@@ -24,7 +24,7 @@ struct RawEdges {
 };
 
 // An edge is given by its two vertices; edges of which the number of faces is odd are then put together where
-// their ends are in the same two places.
+// their ends are in the same two places; but not an edge of one face with that of the same face once more.
 // pre: indices valid, V finite. O(#F) but for sorting the edges at each vertex, and odd edges.
 RawEdges find_edges(const VertexMatrix& V, const TriangleMatrix& F);
 

@@ -298,6 +298,15 @@ TEST(Cleanup, HolesAreCountedAndMeasured) {
   }
 }
 
+// Sewn together at their borders they would be closed, and nothing.
+TEST(Cleanup, AnOpenSheetAndItsCopyAreNotSewnTogether) {
+  Surface sheet = test::sphere(2);
+  sheet.F.conservativeResize(sheet.F.rows() / 2, 3);
+  const Cleanup c = cleaned(joined(sheet, sheet));
+  ASSERT_TRUE(c.problem);
+  EXPECT_GT(count_of(c, DefectKind::hole), 0);
+}
+
 TEST(Cleanup, OneSidedSurfacesAreRefused) {
   // The projective plane of ten triangles on six vertices.
   Surface s{VertexMatrix(6, 3), TriangleMatrix(10, 3)};
