@@ -31,7 +31,8 @@ struct Run {
   double towards = 0;  // where the point is: from the middle of the run to the centre, as a share
 };
 
-// The roof over one area. Numbers of its vertices: of the outline, then the points of the runs, then the middle.
+// The roof over one area. Numbers of its vertices: of the outline, then the points of the runs, then the
+// middle.
 class Roof {
  public:
   Roof(const Surface& s, const StarArea& area) : area_(&area) {
@@ -59,7 +60,8 @@ class Roof {
     depth_.clear();
     double most = 0;
     for (std::size_t r = 0; r < runs_.size(); ++r) {
-      depth_.push_back(std::min(0.5 * (points_[r] - middle_of(runs_[r])).norm(), kRoofDepth * depth_at(points_[r])));
+      depth_.push_back(
+          std::min(0.5 * (points_[r] - middle_of(runs_[r])).norm(), kRoofDepth * depth_at(points_[r])));
       most = std::max(most, depth_.back());
     }
     depth_.push_back(std::min(most, kRoofDepth * depth_at(area_->centre)));
@@ -287,7 +289,8 @@ class Roofer {
       const Roof& roof = roofs_[r].roof;
       const auto rim = static_cast<Index>(area.outline.size()), first = n + static_cast<Index>(added.size());
       const Index hub = n + all_added + static_cast<Index>(r);
-      for (std::size_t i = 0; i < roof.added(); ++i) added.push_back(roof.vertex(static_cast<std::size_t>(rim) + i));
+      for (std::size_t i = 0; i < roof.added(); ++i)
+        added.push_back(roof.vertex(static_cast<std::size_t>(rim) + i));
       for (Triple f : roof.faces()) {
         for (Index& v : f) v = v < rim ? area.outline[v] : first + v - rim;
         faces.push_back(f);

@@ -122,7 +122,8 @@ class AreaFinder {
     return off * extent <= kFlatness * area;
   }
 
-  // Coordinates in the plane that turn as one sees it from outside: two of the three, so that nothing is rounded.
+  // Coordinates in the plane that turn as one sees it from outside: two of the three, so that nothing is
+  // rounded.
   void look_along(const Vector3d& normal) {
     int drop = 0;
     normal.cwiseAbs().maxCoeff(&drop);
@@ -137,19 +138,23 @@ class AreaFinder {
     return orient2d(a.data(), b.data(), p.data()) > 0;
   }
   bool contains(Index f, const Vector2d& p) const {
-    return sees(p, s_.F(f, 0), s_.F(f, 1)) && sees(p, s_.F(f, 1), s_.F(f, 2)) && sees(p, s_.F(f, 2), s_.F(f, 0));
+    return sees(p, s_.F(f, 0), s_.F(f, 1)) && sees(p, s_.F(f, 1), s_.F(f, 2)) &&
+           sees(p, s_.F(f, 2), s_.F(f, 0));
   }
 
   // The faces of kWaiting around a face that the point in it sees: each whose third corner lies between the
-  // ends of the edge over which it is reached.
-  std::vector<Index> seen_from(const Vector2d& p, Index start) {
+  // ends of the edge over which it is reached, and whose own plane passes by the point closely enough to be
+  // seen from a little below.
+  std::vector<Index> seen_from(const Vector3d& centre, Index start, double near) {
+    const Vector2d p = flat(centre);
     std::vector<Index> faces{start};
     place_[start] = kTaken;
     for (std::size_t head = 0; head < faces.size(); ++head)
       for (int k = 0; k < 3; ++k) {
         const Index h = topology_.twin[3 * faces[head] + k], g = half_edge_face(h);
         if (place_[g] != kWaiting) continue;
-        bool good = true;
+        const Vector3d n = doubled_area(g);
+        bool good = std::abs(n.dot(centre - corner(g, 0))) <= near * n.norm();
         for (const Index side : {next_half_edge(h), previous_half_edge(h)})
           good = good && (place_[half_edge_face(topology_.twin[side])] == kTaken ||
                           sees(p, half_edge_source(s_.F, side), half_edge_target(s_.F, side)));
@@ -169,7 +174,9 @@ class AreaFinder {
   std::vector<std::pair<Vector3d, Index>> places(const std::vector<Index>& waiting) const {
     Vector3d middle = Vector3d::Zero();
     double weight = 0;
-    const auto middle_of = [&](Index f) { return Vector3d((corner(f, 0) + corner(f, 1) + corner(f, 2)) / 3); };
+    const auto middle_of = [&](Index f) {
+      return Vector3d((corner(f, 0) + corner(f, 1) + corner(f, 2)) / 3);
+    };
     for (const Index f : waiting) {
       const double area = doubled_area(f).norm();
       middle += area * middle_of(f);
@@ -181,11 +188,12 @@ class AreaFinder {
       if (contains(f, flat(middle))) out.emplace_back(middle, f);
     std::vector<Index> order = waiting;
     const std::size_t some = std::min<std::size_t>(order.size(), kRings);
-    std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(some), order.end(),
-                      [&](Index f, Index g) { return height_[f] != height_[g] ? height_[f] > height_[g] : f < g; });
+    std::partial_sort(
+        order.begin(), order.begin() + static_cast<std::ptrdiff_t>(some), order.end(),
+        [&](Index f, Index g) { return height_[f] != height_[g] ? height_[f] > height_[g] : f < g; });
     for (std::size_t i = 0; i < some; ++i) out.emplace_back(middle_of(order[i]), order[i]);
-    for (std::size_t i = 0; i < kPlaces; ++i) {
-      const Index f = waiting[(2 * i + 1) * waiting.size() / (2 * kPlaces)];
+    for (std::size_t i = 0; i < kLookouts; ++i) {
+      const Index f = waiting[(2 * i + 1) * waiting.size() / (2 * kLookouts)];
       out.emplace_back(middle_of(f), f);
     }
     return out;
@@ -193,18 +201,27 @@ class AreaFinder {
 
   void cut_into_stars(const Plane& plane, std::vector<Index> waiting) {
     look_along(plane.normal);
+    double area = 0;
+    for (const Index f : waiting) area += doubled_area(f).norm() / 2;
+    const double near = kFlatness * std::sqrt(area);
     std::erase_if(waiting, [&](Index f) {
-      const bool turned = orient2d(flat(s_.F(f, 0)).data(), flat(s_.F(f, 1)).data(), flat(s_.F(f, 2)).data()) <= 0;
+      const bool turned =
+          orient2d(flat(s_.F(f, 0)).data(), flat(s_.F(f, 1)).data(), flat(s_.F(f, 2)).data()) <= 0;
       if (turned) place_[f] = kDone;
       return turned;
     });
-    for (int vain = 0; vain < kInVain && needles_among(waiting) > kFewNeedles && !context_.stop();) {
+    const std::size_t most_areas = areas_.size() + kMostStars;
+    for (int vain = 0;
+         vain < kInVain && areas_.size() < most_areas && needles_among(waiting) > kFewNeedles;) {
+      if (context_.stop()) return;
       std::vector<Index> best;
       std::int64_t most = kFewNeedles;
       Vector3d centre;
-      for (const auto& [p, f] : places(waiting)) {
-        std::vector<Index> faces = seen_from(flat(p), f);
-        if (const std::int64_t n = needles_among(faces); n > most) most = n, best = std::move(faces), centre = p;
+      for (auto& [p, f] : places(waiting)) {
+        p -= (p - plane.point).dot(plane.normal) * plane.normal;
+        std::vector<Index> faces = seen_from(p, f, near);
+        if (const std::int64_t n = needles_among(faces); n > most)
+          most = n, best = std::move(faces), centre = p;
       }
       if (best.empty()) return;
       std::optional<std::vector<Index>> outline = outline_of(best);
@@ -212,7 +229,6 @@ class AreaFinder {
       std::erase_if(waiting, [&](Index f) { return place_[f] == kDone; });
       vain = outline ? 0 : vain + 1;
       if (!outline) continue;
-      centre -= (centre - plane.point).dot(plane.normal) * plane.normal;
       std::sort(best.begin(), best.end());
       areas_.push_back({std::move(best), std::move(*outline), centre, -plane.normal});
     }

@@ -22,8 +22,8 @@ struct StarArea {
 };
 
 // Areas with many needles each, which have no face in common. Needles may be left over; empty where there
-// are none. Chosen in doubles: who uses an area checks what it must be. pre: `surface` is closed, oriented and
-// manifold. Errors: limit or interrupted.
+// are none. Chosen in doubles: who uses an area checks what it must be. pre: `surface` is closed, oriented
+// and manifold. Errors: limit or interrupted.
 Result<std::vector<StarArea>> find_star_areas(const Surface& surface, const RunContext& context);
 
 }  // namespace overtet

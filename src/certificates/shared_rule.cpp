@@ -33,8 +33,9 @@ Status look_at_shared_points(Case& c) {
   if (Status s = c.find_wound_edges(); !s) return s;
   Facts& facts = c.facts;
   if (facts.wound.forbidden()) return success();
-  auto found = overtet::find_shared(c.surface, facts.topology.topology, *facts.bvh, facts.hinges,
-                                    facts.pierced_edges, touching_vertices(c.surface, facts.pairs), c.context);
+  auto found =
+      overtet::find_shared(c.surface, facts.topology.topology, *facts.bvh, facts.hinges, facts.pierced_edges,
+                           touching_vertices(c.surface, facts.pairs), c.context);
   if (!found) return found.error();
   if (found.value().empty()) return success();
   facts.wound.shared = found.value().front();

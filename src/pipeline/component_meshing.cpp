@@ -283,7 +283,8 @@ Result<TetMesh> mesh_under_roofs(const Surface& surface, const RunContext& conte
   // First the surface's vertices, then those of roofs, hubs, and TetGen's own.
   const TetMesh& inner = below.value();
   const auto n = static_cast<Index>(surface.V.rows()), kept = static_cast<Index>(r.vertex.size());
-  const Index hubs = static_cast<Index>(r.hubs.rows()), own = static_cast<Index>(inner.V.rows()) - inner.surface_vertices;
+  const Index hubs = static_cast<Index>(r.hubs.rows()),
+              own = static_cast<Index>(inner.V.rows()) - inner.surface_vertices;
   TetMesh out;
   out.surface_vertices = n;
   out.V.resize(n + r.roof_vertices + hubs + own, 3);

@@ -30,12 +30,13 @@ std::optional<Error> pinched_vertices(const Surface& input, const Diagnosis& dia
             [&](Index a, Index b) { return position(a) != position(b) ? position(a) < position(b) : a < b; });
   for (std::size_t i = 0; i + 1 < order.size(); ++i)
     if (position(order[i]) == position(order[i + 1]))
-      return Error{
-          ErrorCode::unsolved,
-          "No tet mesh was found: vertices " + std::to_string(order[i]) + " and " + std::to_string(order[i + 1]) +
-              " (counted from 0) are at the same point, and the solid seems to have no thickness between them;" +
-              " move one of them a little.",
-          position(order[i])};
+      return Error{ErrorCode::unsolved,
+                   "No tet mesh was found: vertices " + std::to_string(order[i]) + " and " +
+                       std::to_string(order[i + 1]) +
+                       " (counted from 0) are at the same point, and the solid seems to have no thickness "
+                       "between them;" +
+                       " move one of them a little.",
+                   position(order[i])};
   return std::nullopt;
 }
 

@@ -104,8 +104,8 @@ Surface with_funnels(const Eigen::RowVector3d& top, const Eigen::RowVector3d* be
 // inspect said "feasible" of tips in one place with nothing between them, and mesh said "bad input".
 TEST(Rules, TipsThatMeetWithNothingBetweenThemHadNoCertificate) {
   const Eigen::RowVector3d middle(2, 2, 2), on_floor(2, 1, 0), on_edge(1, 1, 0), at_corner(0, 0, 0);
-  for (const Surface& s : {with_funnels(middle, &middle), with_funnels(on_floor, nullptr),
-                           with_funnels(on_edge, nullptr)}) {
+  for (const Surface& s :
+       {with_funnels(middle, &middle), with_funnels(on_floor, nullptr), with_funnels(on_edge, nullptr)}) {
     ASSERT_TRUE(test::is_closed_oriented(s));
     const Diagnosis d = diagnosed(s, {});
     EXPECT_EQ(d.verdict, Verdict::infeasible) << d.message;
@@ -118,7 +118,8 @@ TEST(Rules, TipsThatMeetWithNothingBetweenThemHadNoCertificate) {
   // Not quite in one place, or from outside.
   const Eigen::RowVector3d above(2, 2, 3), tip(2, 2, -1);
   EXPECT_EQ(diagnosed(with_funnels(above, &middle), {}).verdict, Verdict::embedded);
-  Surface two = test::joined(with_funnels(above, &tip), test::shifted(with_funnels(above, nullptr), 2, 2, -5));
+  Surface two =
+      test::joined(with_funnels(above, &tip), test::shifted(with_funnels(above, nullptr), 2, 2, -5));
   EXPECT_NE(diagnosed(two, {}).verdict, Verdict::infeasible);
 }
 
