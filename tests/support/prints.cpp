@@ -58,8 +58,8 @@ std::vector<Corners> cap(const std::vector<OutlinePoint>& p, Caps caps) {
 }
 
 // loops: the solid on their left; their points follow each other.
-Surface extruded(const std::vector<OutlinePoint>& p, const std::vector<Index>& loops, const std::vector<Corners>& cap,
-                 double height) {
+Surface extruded(const std::vector<OutlinePoint>& p, const std::vector<Index>& loops,
+                 const std::vector<Corners>& cap, double height) {
   const auto n = static_cast<Index>(p.size());
   Surface s;
   s.V.resize(2 * n, 3);
