@@ -53,4 +53,23 @@ constexpr std::int64_t kSampledFacets = 2048;
 // that TetGen does sooner than the whole.
 constexpr std::size_t kMostCrossed = 20;
 
+// --- Roofs over needles (star_areas.cpp, roofs.cpp) ---
+
+// Sine of the smallest angle of a needle: 0.6 degrees. With no more of them, an area is no trouble for
+// TetGen.
+constexpr double kThinFace = 1e-2;
+constexpr std::int64_t kFewNeedles = 10;
+// Of the diagonal: vertices so near to a plane are in it, as far as files of single precision can say.
+constexpr double kNearPlane = 1e-6;
+// Of its width: an area that is farther from a plane is a strip of something round.
+constexpr double kFlatness = 1e-4;
+// Areas that one plane is cut into, at most: each takes a look at all that is left.
+constexpr std::size_t kMostStars = 200;
+// Faces beside the best shaped ones from which it is tried how much of an area can be seen.
+constexpr std::size_t kLookouts = 8;
+// A point of a roof is so far from the middle of its run, in lengths of the run: at the centre of a quarter
+// of a circle. A run turns by little more than a quarter, in radians. And a roof is at most so deep, as a
+// share of the solid there.
+constexpr double kRoofInset = 0.6, kMostTurn = 1.7, kRoofDepth = 0.3;
+
 }  // namespace overtet

@@ -290,6 +290,7 @@ Result<std::vector<SharedPoint>> find_shared(const Surface& surface, const Surfa
     if (auto stop = context.stop()) return *stop;
     if (steps > kMostGluingSteps) break;
     if (!seen.insert({surface.V(v, 0), surface.V(v, 1), surface.V(v, 2)}).second) continue;
+    steps += kFirstSteps;  // about what a look takes
     if (auto found = study.look(v, steps)) out.push_back(std::move(*found));
   }
   return out;

@@ -32,7 +32,8 @@
 namespace overtet {
 
 // The points among the vertices asked about where the discs need more than there is, by vertex. vertices:
-// hinges; others that lie where one of them does are looked at as well. Errors: limit or interrupted.
+// hinges, and others that lie on other parts of the surface; vertices in the same place are looked at as
+// well. Of very many, the last ones are not looked at. Errors: limit or interrupted.
 Result<std::vector<SharedPoint>> find_shared(const Surface& surface, const SurfaceTopology& topology,
                                              const TriangleBvh& bvh, const std::vector<Hinge>& hinges,
                                              const std::vector<PiercedEdge>& pierced,

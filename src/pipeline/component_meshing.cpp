@@ -7,6 +7,8 @@
 
 #include "kernels/core/assertions.h"
 #include "kernels/core/tuning.h"
+#include "src/cdt/roofs.h"
+#include "src/cdt/star_areas.h"
 #include "src/cdt/tetgen.h"
 #include "src/cdt/tuning.h"
 #include "src/immersion/immersion.h"
@@ -247,14 +249,7 @@ class PartsMesher {
   std::int64_t immersed_ = 0, nearby_ = 0;
 };
 
-}  // namespace
-
-bool is_plain(const Diagnosis& d) {
-  return d.complete() && d.pairs.empty() && d.winding.min == 0 && d.winding.max == 1 &&
-         std::all_of(d.component_volume.begin(), d.component_volume.end(), [](double v) { return v > 0; });
-}
-
-Result<TetMesh> mesh_plain(const Surface& surface, const RunContext& context) {
+Result<TetMesh> mesh_directly(const Surface& surface, const RunContext& context) {
   Plc plc;
   plc.V = surface.V;
   plc.F = surface.F;
@@ -270,6 +265,53 @@ Result<TetMesh> mesh_plain(const Surface& surface, const RunContext& context) {
   mesh.T = std::move(tets.value().T);
   mesh.surface_vertices = static_cast<Index>(surface.V.rows());
   return mesh;
+}
+
+// Where needles lie in flat areas. Errors: unsolved also where there is none.
+Result<TetMesh> mesh_under_roofs(const Surface& surface, const RunContext& context) {
+  const Result<std::vector<StarArea>> areas = find_star_areas(surface, context);
+  if (!areas) return areas.error();
+  if (areas.value().empty()) return Error{ErrorCode::unsolved, "No needles lie in flat areas."};
+  Result<RoofedSurface> roofed = raise_roofs(surface, areas.value(), context);
+  if (!roofed) return roofed.error();
+  RoofedSurface& r = roofed.value();
+  context.note(LogLevel::debug, "Roofs over " + std::to_string(r.hubs.rows()) + " of " +
+                                    std::to_string(areas.value().size()) + " flat areas of needles.");
+  if (r.hubs.rows() == 0) return Error{ErrorCode::unsolved, "No roof can be raised over the needles."};
+  const Result<TetMesh> below = mesh_directly(r.surface, context);
+  if (!below) return below.error();
+  // First the surface's vertices, then those of roofs, hubs, and TetGen's own.
+  const TetMesh& inner = below.value();
+  const auto n = static_cast<Index>(surface.V.rows()), kept = static_cast<Index>(r.vertex.size());
+  const Index hubs = static_cast<Index>(r.hubs.rows()),
+              own = static_cast<Index>(inner.V.rows()) - inner.surface_vertices;
+  TetMesh out;
+  out.surface_vertices = n;
+  out.V.resize(n + r.roof_vertices + hubs + own, 3);
+  out.V << surface.V, inner.V.middleRows(kept, r.roof_vertices), r.hubs, inner.V.bottomRows(own);
+  out.T.resize(inner.T.rows() + r.slabs.rows(), 4);
+  out.T.bottomRows(r.slabs.rows()) = r.slabs;
+  for (Eigen::Index t = 0; t < inner.T.rows(); ++t)
+    for (int k = 0; k < 4; ++k) {
+      const Index v = inner.T(t, k);
+      out.T(t, k) = v < kept ? r.vertex[v] : v < inner.surface_vertices ? n + v - kept : n + v - kept + hubs;
+    }
+  return out;
+}
+
+}  // namespace
+
+bool is_plain(const Diagnosis& d) {
+  return d.complete() && d.pairs.empty() && d.winding.min == 0 && d.winding.max == 1 &&
+         std::all_of(d.component_volume.begin(), d.component_volume.end(), [](double v) { return v > 0; });
+}
+
+Result<TetMesh> mesh_plain(const Surface& surface, const RunContext& context) {
+  {
+    Result<TetMesh> roofed = mesh_under_roofs(surface, context);
+    if (roofed || roofed.error().code != ErrorCode::unsolved) return roofed;
+  }
+  return mesh_directly(surface, context);
 }
 
 std::vector<SubSurface> parts_of(const Surface& surface, const Diagnosis& d) {

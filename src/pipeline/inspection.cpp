@@ -23,25 +23,26 @@ bool lies_in_a_plane(const Surface& s) {
   return true;
 }
 
-Error bad_input(std::string message) { return {ErrorCode::bad_input, std::move(message)}; }
+Error unsolved(std::string message) { return {ErrorCode::unsolved, std::move(message)}; }
 
-// What is wrong with the numbers of a surface, whatever its topology. pre: finite, indices in range.
+// Why nothing is tried although nothing may forbid a mesh: numbers that meshes cannot be made of in doubles.
+// pre: finite, indices in range.
 std::optional<Error> wrong_shape(const Surface& s, UnitBox& box) {
   VertexMatrix V = s.V;
   Result<UnitBox> fits = into_unit_box(V);
   if (!fits) return fits.error();
   box = fits.value();
   if (const std::vector<Index> flat = flat_faces({V, s.F}, kRoundedHeight); !flat.empty()) {
-    Error error = bad_input(
+    Error error = unsolved(
         "Face " + std::to_string(flat[0]) +
         (flat.size() > 1 ? " (and " + std::to_string(flat.size() - 1) + " more)" : std::string()) +
-        " is so thin that its area is lost in rounding: no tet with volume can have it as a face. Move a "
-        "corner or collapse an edge.");
+        " is so thin that its area is lost in rounding, and no mesh is looked for. Move a corner or "
+        "collapse an edge.");
     error.face = flat[0];
     return error;
   }
   if (lies_in_a_plane(s))
-    return bad_input("The surface is flat: all vertices lie in one plane, so there is no inside to mesh.");
+    return unsolved("The surface is flat: all vertices lie in one plane, so there is no inside to mesh.");
   return std::nullopt;
 }
 
@@ -52,17 +53,7 @@ Result<Inspection> inspect(const Surface& surface, InspectionDepth depth, const 
   const Index n = static_cast<Index>(surface.V.rows());
   const bool sane = n > 0 && surface.F.rows() > 0 && surface.V.allFinite() && surface.F.minCoeff() >= 0 &&
                     surface.F.maxCoeff() < n;
-  // First: exact decisions are slow on numbers that nothing can be made of.
-  std::optional<Error> shape;
-  if (sane) shape = wrong_shape(surface, r.box);
-  if (shape) {
-    r.diagnosis.vertices = n;
-    r.diagnosis.faces = static_cast<Index>(surface.F.rows());
-    r.diagnosis.topology = check_topology(surface);
-    r.diagnosis.message = shape->message;
-    r.problem = r.diagnosis.topology.ok() ? *shape : bad_input(r.diagnosis.topology.problems.front());
-    return r;
-  }
+  const std::optional<Error> shape = sane ? wrong_shape(surface, r.box) : std::nullopt;
   DiagnoseOptions options;
   options.full_winding_range = depth == InspectionDepth::everything;
   Result<Diagnosis> d = diagnose(surface, options, context);
@@ -71,6 +62,7 @@ Result<Inspection> inspect(const Surface& surface, InspectionDepth depth, const 
   r.problem = refuse(r.diagnosis);
   if (depth == InspectionDepth::everything)
     if (Status s = look_for_conflict(surface, r, context); !s) return s.error();
+  if (!r.problem) r.problem = shape;
   return r;
 }
 

@@ -20,10 +20,11 @@ struct Inspection {
   Diagnosis diagnosis;
   UnitBox box;  // when there is no problem
 
-  // Why no mesh can be made: bad_input, or infeasible with its certificate.
+  // Why no mesh can be made: bad_input, infeasible with its certificate, or unsolved, where nothing forbids
+  // one but the coordinates are no numbers to make one of.
   std::optional<Error> problem;
 
-  bool usable() const { return !problem || problem->code == ErrorCode::infeasible; }
+  bool usable() const { return diagnosis.complete(); }
 };
 
 enum class InspectionDepth {

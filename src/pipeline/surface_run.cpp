@@ -17,7 +17,7 @@ namespace overtet {
 namespace {
 
 // Why a surface that overlaps itself nowhere (so the solid can only be the region inside) but has two
-// vertices in one place has no mesh: the tets there cannot belong to both.
+// vertices in one place may have no mesh: the tets there cannot belong to both.
 // Call only when the immersion route, which tells touching from outside from being pinched, has failed.
 std::optional<Error> pinched_vertices(const Surface& input, const Diagnosis& diagnosis) {
   if (diagnosis.winding.max > 1) return std::nullopt;
@@ -30,12 +30,13 @@ std::optional<Error> pinched_vertices(const Surface& input, const Diagnosis& dia
             [&](Index a, Index b) { return position(a) != position(b) ? position(a) < position(b) : a < b; });
   for (std::size_t i = 0; i + 1 < order.size(); ++i)
     if (position(order[i]) == position(order[i + 1]))
-      return Error{
-          ErrorCode::bad_input,
-          "Vertices " + std::to_string(order[i]) + " and " + std::to_string(order[i + 1]) +
-              " (counted from 0) are at the same point, and the solid has no thickness between them;" +
-              " move one of them a little.",
-          position(order[i])};
+      return Error{ErrorCode::unsolved,
+                   "No tet mesh was found: vertices " + std::to_string(order[i]) + " and " +
+                       std::to_string(order[i + 1]) +
+                       " (counted from 0) are at the same point, and the solid seems to have no thickness "
+                       "between them;" +
+                       " move one of them a little.",
+                   position(order[i])};
   return std::nullopt;
 }
 
@@ -82,12 +83,11 @@ Status SurfaceRun::look_closer() {
 
 // Why no further strategy need be tried; none: go on.
 std::optional<Error> SurfaceRun::final_reason(const Error& e) {
-  if (const auto pinched = pinched_vertices(input_, found_.diagnosis)) {
-    if (pinched->place) unglued_ = point_at(*pinched->place);
-    return pinched;
-  }
+  const auto pinched = pinched_vertices(input_, found_.diagnosis);
+  if (pinched && pinched->place) unglued_ = point_at(*pinched->place);
   if (setup_.origin != SurfaceRunSetup::Origin::repaired)
     if (Status s = look_closer(); !s) return s.error();
+  if (pinched) return pinched;
   if (e.reason != ErrorReason::exhausted) return std::nullopt;
   return Error{ErrorCode::unsolved,
                "No tet mesh was found: " + e.message +

@@ -39,16 +39,16 @@ Result<UnitBox> into_unit_box(VertexMatrix& V) {
     const auto i = static_cast<std::size_t>(k);
     const double low = V.rows() ? V.col(k).minCoeff() : 0, high = V.rows() ? V.col(k).maxCoeff() : 0;
     if (low == high)
-      return Error{ErrorCode::bad_input, std::string("The surface is flat: all vertices have the same ") +
-                                             "xyz"[k] + ", so there is no inside to mesh."};
+      return Error{ErrorCode::unsolved, std::string("The surface is flat: all vertices have the same ") +
+                                            "xyz"[k] + ", so there is no inside to mesh."};
     const double largest = std::max(std::abs(low), std::abs(high));
     // Halved before the subtraction, which could overflow.
     extent[i] = exponent_of(high / 2 - low / 2) + 1;
     reach[i] = exponent_of(largest);
     if (std::abs(reach[i]) > kMaxExponent)
-      return Error{ErrorCode::bad_input, "The largest coordinate is " + short_number(largest) +
-                                             ", and a double cannot hold the volumes of tets of that size" +
-                                             " (the limits are about 1e-72 and 1e72): scale the model."};
+      return Error{ErrorCode::unsolved, "The largest coordinate is " + short_number(largest) +
+                                            ", and a double cannot hold the volumes of tets of that size" +
+                                            " (the limits are about 1e-72 and 1e72): scale the model."};
   }
   const int widest = *std::max_element(extent.begin(), extent.end());
   const int all = *std::max_element(reach.begin(), reach.end());
@@ -60,9 +60,9 @@ Result<UnitBox> into_unit_box(VertexMatrix& V) {
   scale(back, box, -1);
   for (Eigen::Index v = 0; v < V.rows(); ++v)
     if (!(back.row(v).array() == V.row(v).array()).all())
-      return Error{ErrorCode::bad_input, "Vertex " + std::to_string(v) +
-                                             " has a coordinate so much smaller than the model that scaling" +
-                                             " it into a unit box would lose bits; set it to zero."};
+      return Error{ErrorCode::unsolved, "Vertex " + std::to_string(v) +
+                                            " has a coordinate so much smaller than the model that scaling" +
+                                            " it into a unit box would lose bits; set it to zero."};
   V = std::move(scaled);
   return box;
 }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <filesystem>
 #include <fstream>
@@ -13,6 +14,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "overtet/report.h"
 #include "src/certificates/diagnose.h"
@@ -75,6 +77,50 @@ TEST(Rules, OneMoreComesOutInVerdictMessageAndReport) {
     EXPECT_EQ(witness["vertices"], Json({5}));
     EXPECT_EQ(witness["positions"][0][2], 77);
   }
+}
+
+// A cube of edge 4 with a funnel from the top, whose tip is at `top`, and perhaps one from below.
+Surface with_funnels(const Eigen::RowVector3d& top, const Eigen::RowVector3d* below) {
+  Surface s;
+  s.V.resize(below ? 10 : 9, 3);
+  for (int v = 0; v < 8; ++v) s.V.row(v) << 4 * ((v + 1) / 2 % 2), 4 * (v / 2 % 2), 4 * (v / 4);
+  s.V.row(8) = top;
+  if (below) s.V.row(9) = *below;
+  std::vector<std::array<Index, 3>> faces;
+  for (Index k = 0; k < 4; ++k) {
+    const Index next = (k + 1) % 4;
+    faces.push_back({k, next, 4 + next});
+    faces.push_back({k, 4 + next, 4 + k});
+    faces.push_back({4 + k, 4 + next, 8});
+    if (below) faces.push_back({next, k, 9});
+  }
+  if (!below) faces.insert(faces.end(), {{0, 2, 1}, {0, 3, 2}});
+  s.F.resize(static_cast<Eigen::Index>(faces.size()), 3);
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    s.F.row(static_cast<Eigen::Index>(f)) << faces[f][0], faces[f][1], faces[f][2];
+  return s;
+}
+
+// inspect said "feasible" of tips in one place with nothing between them, and mesh said "bad input".
+TEST(Rules, TipsThatMeetWithNothingBetweenThemHadNoCertificate) {
+  const Eigen::RowVector3d middle(2, 2, 2), on_floor(2, 1, 0), on_edge(1, 1, 0), at_corner(0, 0, 0);
+  for (const Surface& s :
+       {with_funnels(middle, &middle), with_funnels(on_floor, nullptr), with_funnels(on_edge, nullptr)}) {
+    ASSERT_TRUE(test::is_closed_oriented(s));
+    const Diagnosis d = diagnosed(s, {});
+    EXPECT_EQ(d.verdict, Verdict::infeasible) << d.message;
+    ASSERT_TRUE(d.certificate);
+    EXPECT_STREQ(rule_name(*d.certificate), "shared");
+    // Inside of something larger there is room.
+    EXPECT_EQ(diagnosed(test::joined(test::sphere(2, 30), s), {}).verdict, Verdict::feasible);
+  }
+  EXPECT_EQ(diagnosed(with_funnels(at_corner, nullptr), {}).verdict, Verdict::infeasible);
+  // Not quite in one place, or from outside.
+  const Eigen::RowVector3d above(2, 2, 3), tip(2, 2, -1);
+  EXPECT_EQ(diagnosed(with_funnels(above, &middle), {}).verdict, Verdict::embedded);
+  Surface two =
+      test::joined(with_funnels(above, &tip), test::shifted(with_funnels(above, nullptr), 2, 2, -5));
+  EXPECT_NE(diagnosed(two, {}).verdict, Verdict::infeasible);
 }
 
 TEST(Rules, TheFirstThatObjectsDecides) {

@@ -47,6 +47,16 @@ class Scripts(unittest.TestCase):
             self.assertEqual(data["hinges"], 0)
             self.assertGreaterEqual(data["winding_max"], least)
 
+    def test_prints_with_needles_are_meshed(self):
+        for options in (("plate", "fan", "400"), ("plate", "strip", "400"), ("plate", "ears", "100"), ("ring", "strip", "600"),
+                        ("gear", "ears", "500"), ("gear-ring", "ears", "450", "1")):
+            model, mesh = os.path.join(self.folder.name, "print.off"), os.path.join(self.folder.name, "print.mesh")
+            made = script(os.path.join(SOURCE, "perf/suite/make_print"), model, *options)
+            self.assertEqual(made.returncode, 0, made.stderr)
+            run = subprocess.run([PROGRAM, "mesh", model, "-o", mesh, "--improve", "0"],
+                                 capture_output=True, text=True, timeout=100, check=False)
+            self.assertEqual(run.returncode, 0, run.stderr)
+
     def test_suite_writes_all_runs(self):
         self.assertEqual(self.suite.returncode, 0, self.suite.stdout + self.suite.stderr)
         self.assertIn("1 of 2 solved", self.suite.stdout)
