@@ -38,12 +38,15 @@ struct OpeningOptions {
   int energy_sweeps = 12, worst_sweeps = 6;  // in each round, at most
   // A place where the least quality has not grown by this factor in the end stays as it was.
   double worthwhile = 1.3;
+  // In the end vertices go home, or nearer to it, where no tet becomes worse than the target: so many times
+  // each at most, and ever shorter ways. 0: none does.
+  int home_sweeps = 30;
 
   Status validate() const;
 };
 
 struct OpenedPlace {
-  Index vertices = 0;                            // moved ones
+  Index vertices = 0, away = 0;                  // moved ones, before and after
   double degrees_before = 0, degrees_after = 0;  // of the least angle at them, as above
   double farthest = 0;                           // the largest move afterwards, in the input's units
   int rounds = 0;

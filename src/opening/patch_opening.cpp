@@ -42,15 +42,15 @@ class PlaceOpening {
   OpenedPlace run() {
     OpenedPlace out;
     out.vertices = static_cast<Index>(moved_.size());
-    LocalOperations work(mesh_);
-    part_.mark_shared(work);
-    work.be_thorough();
+    LocalOperations work = operations();
+    const TetComplex start = mesh_;
     const double before = least(work);
-    double best = before, mark = before;  // mark: of the last gain
-    TetComplex best_mesh = mesh_;
     double reach = farthest();
     const double most =
         std::min(options_.largest_move, std::max(options_.edges * mean_edge(), options_.further * reach));
+    better_tets(work);
+    double best = least(work), mark = best;  // mark: of the last gain
+    TetComplex best_mesh = mesh_;
     for (int idle = 0; idle < options_.idle_rounds && best < target_ && !context_.stop();) {
       if (reach >= most && idle > 0) break;
       reach = std::min(most, options_.growth * reach);
@@ -66,15 +66,32 @@ class PlaceOpening {
       }
     }
     out.opened = best > options_.worthwhile * before;
+    mesh_ = out.opened ? std::move(best_mesh) : start;
+    if (!out.opened) best = before;
+    if (options_.home_sweeps > 0) {
+      come_nearer(std::min(best, target_));
+      LocalOperations last = operations();
+      for (int sweep = 0; sweep < options_.home_sweeps && !context_.stop() && go_home(last); ++sweep)
+        out.opened = true;
+    }
     out.degrees_before = degrees_of(before);
-    out.degrees_after = out.opened ? degrees_of(best) : out.degrees_before;
-    if (out.opened) mesh_ = std::move(best_mesh);
+    out.degrees_after = degrees_of(least(operations()));
     out.farthest = farthest();
+    out.away = static_cast<Index>(std::count_if(moved_.begin(), moved_.end(), [&](const HomeOfMoved& m) {
+      return mesh_.position(m.vertex) != m.home;
+    }));
     return out;
   }
 
  private:
   enum class Means { flips, all };
+
+  LocalOperations operations() {
+    LocalOperations work(mesh_);
+    part_.mark_shared(work);
+    work.be_thorough();
+    return work;
+  }
 
   // The surface's edges at moved vertices.
   double mean_edge() const {
@@ -126,9 +143,89 @@ class PlaceOpening {
     return {near.begin(), near.end()};
   }
 
+  // Other tets, and other places for free vertices, as long as that helps.
+  void better_tets(LocalOperations& work) {
+    for (int sweep = 0; sweep < options_.worst_sweeps && !context_.stop(); ++sweep) {
+      const double before = least(work);
+      if (before >= target_) return;
+      bool better = false;
+      for (const Index v : followers(work)) better |= work.smooth(v);
+      better |= reconnect(work, Means::all, target_);
+      if (!better) return;
+    }
+  }
+
+  // All moves cut back to one length, the least that is found with no worse tets at moved vertices than `floor`.
+  void come_nearer(double floor) {
+    for (double part = kFirstCut; part < kLastCut && !context_.stop();) {
+      const TetComplex before = mesh_;
+      const double reach = part * farthest();
+      LocalOperations work = operations();
+      if (cut_back(work, reach)) {
+        sweeps(work, reach, true);
+        if (least(work) >= floor) continue;
+      }
+      mesh_ = before;
+      part = std::sqrt(part);
+    }
+  }
+
+  bool cut_back(LocalOperations& work, double reach) {
+    for (int pass = 0; pass < 2; ++pass)
+      for (const HomeOfMoved& m : moved_)
+        if (away(m) > reach) work.place(m.vertex, inside(mesh_.position(m.vertex), m.home, reach));
+    return farthest() <= reach;
+  }
+
+  // Moved vertices go nearer to their homes, those that are nearest first, where no tet there gets worse than
+  // the target, or than the worst that there is. False: that gained next to nothing.
+  bool go_home(LocalOperations& work) {
+    std::vector<std::pair<double, std::size_t>> order;
+    double before = 0, now = 0;
+    for (std::size_t i = 0; i < moved_.size(); ++i)
+      if (const double d = away(moved_[i]); d > 0) order.emplace_back(d, i), before += d;
+    std::sort(order.begin(), order.end());
+    for (const auto& [d, i] : order) {
+      step_home(work, moved_[i]);
+      now += away(moved_[i]);
+    }
+    if (!(now < kHomeGain * before)) return false;
+    // Room for the next ones.
+    for (const HomeOfMoved& m : moved_)
+      if (away(m) > 0 && worst_of_star(work, m.vertex) < kRoomAbove * target_)
+        work.smooth_within(m.vertex, m.home, away(m));
+    for (const Index v : followers(work))
+      if (worst_of_star(work, v) < kRoomAbove * target_) work.smooth(v);
+    reconnect(work, Means::flips, kRoomAbove * target_);
+    return true;
+  }
+
+  void step_home(LocalOperations& work, const HomeOfMoved& m) {
+    const Vector3d from = mesh_.position(m.vertex);
+    const double floor = std::min(target_, worst_of_star(work, m.vertex));
+    for (const double part : kPartsOfWayHome) {
+      if (!work.place(m.vertex, part == 1 ? m.home : Vector3d(from + part * (m.home - from)))) continue;
+      if (worst_of_star(work, m.vertex) >= floor) return;
+      work.place(m.vertex, from);
+    }
+  }
+
+  double away(const HomeOfMoved& m) const { return (mesh_.position(m.vertex) - m.home).norm(); }
+
+  double worst_of_star(const LocalOperations& work, Index v) {
+    mesh_.star(v, star_);
+    double q = std::numeric_limits<double>::infinity();
+    for (const Index t : star_) q = std::min(q, work.quality(t));
+    return q;
+  }
+
   // last: there is no larger ball.
   void round(LocalOperations& work, double reach, bool last) {
     scale(work, reach);
+    sweeps(work, reach, last);
+  }
+
+  void sweeps(LocalOperations& work, double reach, bool last) {
     std::vector<Index> near = followers(work);
     for (int sweep = 0; sweep < options_.energy_sweeps; ++sweep) {
       bool lower = false;
@@ -140,7 +237,7 @@ class PlaceOpening {
       bool better = false;
       for (const HomeOfMoved& m : moved_) better |= work.smooth_within(m.vertex, m.home, reach);
       for (const Index v : near) better |= work.smooth(v);
-      better |= reconnect(work, least(work) > kNearTarget * target_ || last ? Means::all : Means::flips);
+      better |= reconnect(work, least(work) > kNearTarget * target_ || last ? Means::all : Means::flips, target_);
       near = followers(work);
       if (!better) break;
     }
@@ -169,6 +266,7 @@ class PlaceOpening {
     }
   }
 
+  // vertices: sorted.
   bool all_positive_on_the_way(const std::vector<Index>& tets, const std::vector<Index>& vertices,
                                const std::vector<Vector3d>& to) const {
     for (const Index t : tets) {
@@ -176,8 +274,9 @@ class PlaceOpening {
       for (int k = 0; k < 4; ++k) {
         const Index v = mesh_.tet(t)[k];
         old_corners[k] = new_corners[k] = mesh_.position(v);
-        const auto at = std::find(vertices.begin(), vertices.end(), v);
-        if (at != vertices.end()) new_corners[k] = to[static_cast<std::size_t>(at - vertices.begin())];
+        if (const auto at = std::lower_bound(vertices.begin(), vertices.end(), v);
+            at != vertices.end() && *at == v)
+          new_corners[k] = to[static_cast<std::size_t>(at - vertices.begin())];
       }
       if (!positive_on_the_way(old_corners, new_corners)) return false;
     }
@@ -252,14 +351,14 @@ class PlaceOpening {
     return false;
   }
 
-  // Other tets for the bad ones at moved vertices.
-  bool reconnect(LocalOperations& work, Means means) {
+  // Other tets for those at moved vertices that are worse than that.
+  bool reconnect(LocalOperations& work, Means means, double below) {
     std::set<std::pair<double, Index>> bad;
     std::vector<Index> star;
     for (const HomeOfMoved& m : moved_) {
       mesh_.star(m.vertex, star);
       for (const Index t : star)
-        if (work.quality(t) < target_) bad.insert({work.quality(t), t});
+        if (work.quality(t) < below) bad.insert({work.quality(t), t});
     }
     bool any = false;
     for (const auto& [quality, t] : bad)

@@ -61,7 +61,7 @@ Result<Inspection> inspect(const Surface& surface, InspectionDepth depth, const 
     return r;
   }
   DiagnoseOptions options;
-  options.full_winding_range = depth == InspectionDepth::everything;
+  options.full_winding_range = depth != InspectionDepth::verdict;
   Result<Diagnosis> d = diagnose(surface, options, context);
   if (!d) return d.error();
   r.diagnosis = std::move(d).value();

@@ -24,13 +24,16 @@ struct FirstFailure {
   Error error;
   std::optional<Eigen::Vector3d> unglued;
   std::vector<SubSurface> parts;
+  Diagnosis diagnosis;
 };
 
 // The mesh of the surface as it is, or nothing and why.
 Result<std::optional<TetMesh>> mesh_as_it_is(const Surface& surface, const MeshingOptions& options,
                                              const RunContext& context, Report& report,
                                              FirstFailure& failure) {
-  SurfaceRun run(surface, {}, options, context, report.stages);
+  SurfaceRunSetup setup;
+  if (options.on_infeasible == OnInfeasible::repair) setup.depth = InspectionDepth::repair;
+  SurfaceRun run(surface, setup, options, context, report.stages);
   report.input = run.input_record();  // also for who gives up during the diagnosis
   const Status usable = run.diagnose();
   report.input = run.input_record();
@@ -39,7 +42,7 @@ Result<std::optional<TetMesh>> mesh_as_it_is(const Surface& surface, const Meshi
   report.certificate = run.certificate();
   if (mesh) return std::optional(std::move(mesh).value());
   if (options.on_infeasible != OnInfeasible::repair || !repairable(mesh.error())) return mesh.error();
-  failure = {mesh.error(), run.unglued(), run.parts()};
+  failure = {mesh.error(), run.unglued(), run.parts(), run.diagnosis()};
   return std::optional<TetMesh>();
 }
 
@@ -63,6 +66,32 @@ class MovesOfParts {
   double sum_ = 0;
 };
 
+// The records of parts that needed no repair: what counts is how long they took altogether.
+class OtherParts {
+ public:
+  void add(const std::vector<StageRecord>& stages) {
+    ++parts_;
+    for (const StageRecord& stage : stages) {
+      auto sum = std::find_if(sums_.begin(), sums_.end(),
+                              [&](const StageRecord& s) { return s.name == stage.name; });
+      if (sum == sums_.end()) sum = sums_.insert(sums_.end(), StageRecord{stage.name, 0, 0, 0, {}});
+      sum->seconds += stage.seconds;
+      sum->cpu_seconds += stage.cpu_seconds;
+      sum->iterations += stage.iterations;
+    }
+  }
+  void append_to(std::vector<StageRecord>& records) {
+    for (StageRecord& sum : sums_) {
+      sum.figures.emplace_back("parts", parts_);
+      records.push_back(std::move(sum));
+    }
+  }
+
+ private:
+  std::vector<StageRecord> sums_;
+  std::int64_t parts_ = 0;
+};
+
 // Each part by itself, repaired where it has no mesh. Nothing is said of how they lie to each other, so none
 // is moved because of another one. Errors: of the first part that could not be repaired.
 Result<MeshedSurface> repair_by_parts(const Surface& surface, const std::vector<SubSurface>& parts,
@@ -75,13 +104,17 @@ Result<MeshedSurface> repair_by_parts(const Surface& surface, const std::vector<
   Surface repaired = surface;
   std::vector<PartMesh> meshes;
   MovesOfParts moves;
+  OtherParts others;
   for (const SubSurface& part : parts) {
     const double size = diagonal_of(part.surface) / diagonal;
     own.max_repair_move = std::min(1.0, options.max_repair_move / size);
     Report report;
     Result<MeshedSurface> r = mesh_or_repair(part.surface, own, context, report);
-    if (!r || r.value().moves)
+    if (r && !r.value().moves)
+      others.add(report.stages);
+    else
       std::move(report.stages.begin(), report.stages.end(), std::back_inserter(records));
+    if (!r) others.append_to(records);
     if (!r) return r;
     if (r.value().moves) moves.add(part, *r.value().moves, size);
     TetMesh& mesh = r.value().mesh;
@@ -89,6 +122,7 @@ Result<MeshedSurface> repair_by_parts(const Surface& surface, const std::vector<
       repaired.V.row(part.vertices[v]) = mesh.V.row(static_cast<Eigen::Index>(v));
     meshes.push_back({part.vertices, std::move(mesh)});
   }
+  others.append_to(records);
   // Each has been improved.
   const FinishingJob job{.input = repaired, .improve_degrees = 0, .context = context, .records = records};
   Result<TetMesh> whole = finish_given(job, united(repaired.V, meshes));
@@ -99,7 +133,7 @@ Result<MeshedSurface> repair_by_parts(const Surface& surface, const std::vector<
 Result<MeshedSurface> repair_whole(const Surface& surface, const MeshingOptions& options,
                                    const RunContext& context, std::vector<StageRecord>& records,
                                    const FirstFailure& first) {
-  const RepairJob job{surface, options, context, records, diagonal_of(surface)};
+  const RepairJob job{surface, first.diagnosis, options, context, records, diagonal_of(surface)};
   Result<RepairedMesh> repaired = mesh_repaired(job, first.error, first.unglued);
   if (!repaired) return repaired.error();
   RepairedMesh& r = repaired.value();

@@ -67,8 +67,9 @@ bool repairable(const Error& e) {
   return e.code == ErrorCode::infeasible || e.code == ErrorCode::unsolved || e.code == ErrorCode::bad_input;
 }
 
-MeshAttempt mesh_moved(const RepairJob& job, const Surface& moved, Need need) {
-  const MeshingOptions options = options_of_attempts(job);
+MeshAttempt mesh_moved(const RepairJob& job, const Surface& moved, Need need, Tets tets) {
+  MeshingOptions options = options_of_attempts(job);
+  if (tets == Tets::as_made) options.improve_degrees = 0;
   SurfaceRun run(moved, {SurfaceRunSetup::Origin::repaired, need == Need::luxury ? kShortPatience : 1.0},
                  options, job.context, job.records);
   Result<TetMesh> mesh = run.go();

@@ -10,12 +10,14 @@
 #include "overtet/report.h"
 #include "overtet/run_context.h"
 #include "overtet/types.h"
+#include "src/certificates/diagnose.h"
 #include "src/pipeline/pipeline.h"
 
 namespace overtet {
 
 struct RepairJob {
   const Surface& surface;         // as it was read
+  const Diagnosis& diagnosis;     // of it, with the whole winding range
   const MeshingOptions& options;  // of the run
   const RunContext& context;
   std::vector<StageRecord>& records;
@@ -33,6 +35,7 @@ struct Moves {
 struct RepairedMesh {
   enum class State {
     finished,       // improved and checked
+    as_made,        // checked, not improved
     pulled,         // its vertices moved since then: to be improved and checked again
     brought_nearer  // the same, but what was too far away was brought nearer at most, and not pulled home
   };
@@ -63,7 +66,9 @@ struct MeshAttempt {
   Result<TetMesh> mesh;                    // in the input's space, improved and checked
   std::optional<Eigen::Vector3d> unglued;  // where the sheets could not be glued
 };
-MeshAttempt mesh_moved(const RepairJob& job, const Surface& moved, Need need);
+// Whether the quality pass is made of it: what is pulled wants good tets, what is opened can do without.
+enum class Tets { improved, as_made };
+MeshAttempt mesh_moved(const RepairJob& job, const Surface& moved, Need need, Tets tets = Tets::improved);
 // A mesh of the moved surface that there is already, improved and checked.
 Result<TetMesh> finish_moved(const RepairJob& job, const Surface& moved, TetMesh mesh);
 

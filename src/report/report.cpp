@@ -77,6 +77,11 @@ std::string to_json(const Report& r) {
                 {"max_relative", r.max_relative_move},
                 {"mean_relative", r.mean_relative_move},
                 {"ids", r.moved_ids}};
+  if (const auto& a = r.moved_angles)
+    j["moved"]["angles"] = {{"least", a->least},
+                            {"bound", a->bound},
+                            {"bound_as_moved", a->bound_as_moved},
+                            {"bound_elsewhere", a->bound_elsewhere}};
   j["stages"] = Json::array();
   for (const StageRecord& s : r.stages) {
     Json stage = {{"name", s.name},
