@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -137,7 +138,15 @@ Result<MeshedSurface> repair_whole(const Surface& surface, const MeshingOptions&
   Result<RepairedMesh> repaired = mesh_repaired(job, first.error, first.unglued);
   if (!repaired) return repaired.error();
   RepairedMesh& r = repaired.value();
-  if (Status s = opened(job, r); !s) return s.error();
+  // What was pulled has moved less; where it has no room, what it was pulled from may have.
+  const std::shared_ptr<RepairedMesh> before = std::move(r.before_pull);
+  const Result<double> degrees = opened(job, r);
+  if (!degrees) return degrees.error();
+  if (before && degrees.value() < kUsableDegrees) {
+    const Result<double> others = opened(job, *before);
+    if (!others) return others.error();
+    if (others.value() > degrees.value()) r = std::move(*before);
+  }
   const bool good_already =
       r.state == RepairedMesh::State::finished && options.improve_degrees <= kAttemptDegrees;
   Result<TetMesh> mesh = finish_given(

@@ -81,11 +81,12 @@ Result<TetMesh> finish_moved(const RepairJob& job, const Surface& moved, TetMesh
                       std::move(mesh));
 }
 
-Status opened(const RepairJob& job, RepairedMesh& repaired) {
+Result<double> opened(const RepairJob& job, RepairedMesh& repaired) {
   OpeningOptions options;
   options.largest_move = job.allowed() * job.diagonal;
   TetMesh mesh = repaired.mesh;
   bool any = false;
+  double degrees = 0;
   const Status done = timed_stage("opening", job.records, job.context, [&](StageRecord& record) -> Status {
     Result<OpeningResult> r = open_up(mesh, job.surface.V, options, job.context);
     if (!r) return r.error();
@@ -98,6 +99,7 @@ Status opened(const RepairJob& job, RepairedMesh& repaired) {
       farthest = std::max(farthest, place.farthest);
     }
     any = opened > 0;
+    degrees = x.degrees_after;
     record.figures = {{"places", static_cast<std::int64_t>(x.places.size())},
                       {"opened", opened},
                       {"degrees_before", x.degrees_before},
@@ -106,11 +108,11 @@ Status opened(const RepairJob& job, RepairedMesh& repaired) {
                       {"tets", std::int64_t{mesh.T.rows()}}};
     return success();
   });
-  if (!done) return done;
-  if (!any) return success();
+  if (!done) return done.error();
+  if (!any) return degrees;
   repaired = measured(job, std::move(mesh));
   repaired.state = RepairedMesh::State::pulled;
-  return success();
+  return degrees;
 }
 
 Result<std::optional<RepairedMesh>> pulled(const RepairJob& job, const RepairedMesh& from, const Pull& pull) {

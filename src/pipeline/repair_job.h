@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -44,6 +45,8 @@ struct RepairedMesh {
   State state = State::finished;
   Moves moves;
   double work = 0;  // of the last pull; VolumeMapResult::work
+  // What it was pulled from, where that is near enough as well.
+  std::shared_ptr<RepairedMesh> before_pull;
 };
 
 RepairedMesh measured(const RepairJob& job, TetMesh mesh);
@@ -72,9 +75,10 @@ MeshAttempt mesh_moved(const RepairJob& job, const Surface& moved, Need need, Te
 // A mesh of the moved surface that there is already, improved and checked.
 Result<TetMesh> finish_moved(const RepairJob& job, const Surface& moved, TetMesh mesh);
 
-// Moved vertices moved further, no further than is allowed, where the tets at them are bad (src/opening).
+// Moved vertices moved further, no further than is allowed, where the tets at them are bad, and nearer to
+// their places where that leaves them good (src/opening). Returns the least angle at them, in degrees.
 // Errors: limit, interrupted.
-Status opened(const RepairJob& job, RepairedMesh& repaired);
+Result<double> opened(const RepairJob& job, RepairedMesh& repaired);
 
 // The boundary of a mesh pulled to the input, every tet positive all the way (src/volume_map).
 struct Pull {

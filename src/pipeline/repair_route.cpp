@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -131,14 +132,15 @@ class Repairing {
     if (!away || !away.value()) return away;
     found_mesh_ = true;
     RepairedMesh best = std::move(*away.value());
-    // What is near enough goes home as far as its tets stay good (src/opening).
-    if (best.moves.max_relative <= job_.allowed()) return std::optional(std::move(best));
     Pull pull;
     if (way.reach == WayOut::Reach::far) pull = {Pull::Pace::slow, job_.allowed(), Pull::Aim::home};
     Result<std::optional<RepairedMesh>> back = pulled(job_, best, pull);
     if (!back) return back;
-    if (back.value() && (best.moves.max_relative > job_.allowed() || better(back.value()->moves, best.moves)))
+    if (back.value() && (best.moves.max_relative > job_.allowed() || better(back.value()->moves, best.moves))) {
+      auto before = std::make_shared<RepairedMesh>(std::move(best));
       best = std::move(*back.value());
+      if (before->moves.max_relative <= job_.allowed()) best.before_pull = std::move(before);
+    }
     return std::optional(std::move(best));
   }
 
