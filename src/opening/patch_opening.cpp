@@ -44,38 +44,39 @@ class PlaceOpening {
     out.vertices = static_cast<Index>(moved_.size());
     LocalOperations work = operations();
     const TetComplex start = mesh_;
-    const double before = least(work);
+    const Room before = room(work);
     double reach = farthest();
     const double most =
         std::min(options_.largest_move, std::max(options_.edges * mean_edge(), options_.further * reach));
     better_tets(work);
-    double best = least(work), mark = best;  // mark: of the last gain
+    Room best = room(work);
+    double mark = best.sum;  // of the last gain
     TetComplex best_mesh = mesh_;
-    for (int idle = 0; idle < options_.idle_rounds && best < target_ && !context_.stop();) {
+    for (int idle = 0; idle < options_.idle_rounds && best.sum < 0 && !context_.stop();) {
       if (reach >= most && idle > 0) break;
       reach = std::min(most, options_.growth * reach);
       round(work, reach, reach == most);
       ++out.rounds;
-      const double now = least(work);
-      if (now > best) best = now, best_mesh = mesh_;
-      if (best > options_.gain * mark) {
-        mark = best;
+      const Room now = room(work);
+      if (now.sum > best.sum && now.least >= best.least) best = now, best_mesh = mesh_;
+      // So much of one vertex, or of all.
+      if (best.sum > std::min(mark + std::log(options_.gain), mark / options_.gain)) {
+        mark = best.sum;
         idle = 0;
       } else {
         ++idle;
       }
     }
-    out.opened = best > options_.worthwhile * before;
+    out.opened = best.sum > before.sum + std::log(options_.worthwhile);
     mesh_ = out.opened ? std::move(best_mesh) : start;
-    if (!out.opened) best = before;
     if (options_.home_sweeps > 0) {
-      come_nearer(std::min(best, target_));
+      come_nearer();
       LocalOperations last = operations();
       for (int sweep = 0; sweep < options_.home_sweeps && !context_.stop() && go_home(last); ++sweep)
         out.opened = true;
     }
-    out.degrees_before = degrees_of(before);
-    out.degrees_after = degrees_of(least(operations()));
+    out.degrees_before = degrees_of(before.least);
+    out.degrees_after = degrees_of(room(operations()).least);
     out.farthest = farthest();
     out.away = static_cast<Index>(std::count_if(moved_.begin(), moved_.end(), [&](const HomeOfMoved& m) {
       return mesh_.position(m.vertex) != m.home;
@@ -85,6 +86,25 @@ class PlaceOpening {
 
  private:
   enum class Means { flips, all };
+
+  // How good the tets at moved vertices are: the least quality, and the logarithms of each vertex's least one over
+  // the target, where it is less, in one sum. The least alone does not see what is gained at other vertices.
+  struct Room {
+    double least = std::numeric_limits<double>::infinity(), sum = 0;
+  };
+  Room room(const LocalOperations& work) {
+    Room out;
+    for (const HomeOfMoved& m : moved_) {
+      const double q = worst_of_star(work, m.vertex);
+      out.least = std::min(out.least, q);
+      out.sum += std::min(0.0, std::log(q / target_));
+    }
+    return out;
+  }
+  // Tets that are so good need not get better, but leave others room.
+  bool good_around(const LocalOperations& work, Index v) {
+    return worst_of_star(work, v) >= kRoomAbove * target_;
+  }
 
   LocalOperations operations() {
     LocalOperations work(mesh_);
@@ -120,16 +140,6 @@ class PlaceOpening {
     return most;
   }
 
-  double least(const LocalOperations& work) const {
-    double q = std::numeric_limits<double>::infinity();
-    std::vector<Index> star;
-    for (const HomeOfMoved& m : moved_) {
-      mesh_.star(m.vertex, star);
-      for (const Index t : star) q = std::min(q, work.quality(t));
-    }
-    return q;
-  }
-
   // Free vertices with an edge to a moved one.
   std::vector<Index> followers(const LocalOperations& work) const {
     std::set<Index> near;
@@ -146,8 +156,7 @@ class PlaceOpening {
   // Other tets, and other places for free vertices, as long as that helps.
   void better_tets(LocalOperations& work) {
     for (int sweep = 0; sweep < options_.worst_sweeps && !context_.stop(); ++sweep) {
-      const double before = least(work);
-      if (before >= target_) return;
+      if (room(work).sum == 0) return;
       bool better = false;
       for (const Index v : followers(work)) better |= work.smooth(v);
       better |= reconnect(work, Means::all, target_);
@@ -155,15 +164,17 @@ class PlaceOpening {
     }
   }
 
-  // All moves cut back to one length, the least that is found with no worse tets at moved vertices than `floor`.
-  void come_nearer(double floor) {
+  // All moves cut back to one length, the least that is found that leaves as much room.
+  void come_nearer() {
+    const Room floor = room(operations());
     for (double part = kFirstCut; part < kLastCut && !context_.stop();) {
       const TetComplex before = mesh_;
       const double reach = part * farthest();
       LocalOperations work = operations();
       if (cut_back(work, reach)) {
         sweeps(work, reach, true);
-        if (least(work) >= floor) continue;
+        const Room now = room(work);
+        if (now.sum >= floor.sum && now.least >= std::min(floor.least, target_)) continue;
       }
       mesh_ = before;
       part = std::sqrt(part);
@@ -192,10 +203,10 @@ class PlaceOpening {
     if (!(now < kHomeGain * before)) return false;
     // Room for the next ones.
     for (const HomeOfMoved& m : moved_)
-      if (away(m) > 0 && worst_of_star(work, m.vertex) < kRoomAbove * target_)
+      if (away(m) > 0 && !good_around(work, m.vertex))
         work.smooth_within(m.vertex, m.home, away(m));
     for (const Index v : followers(work))
-      if (worst_of_star(work, v) < kRoomAbove * target_) work.smooth(v);
+      if (!good_around(work, v)) work.smooth(v);
     reconnect(work, Means::flips, kRoomAbove * target_);
     return true;
   }
@@ -229,15 +240,19 @@ class PlaceOpening {
     std::vector<Index> near = followers(work);
     for (int sweep = 0; sweep < options_.energy_sweeps; ++sweep) {
       bool lower = false;
-      for (const HomeOfMoved& m : moved_) lower |= descend(work, m.vertex, &m, reach);
-      for (const Index v : near) lower |= descend(work, v, nullptr, reach);
+      for (const HomeOfMoved& m : moved_)
+        if (!good_around(work, m.vertex)) lower |= descend(work, m.vertex, &m, reach);
+      for (const Index v : near)
+        if (!good_around(work, v)) lower |= descend(work, v, nullptr, reach);
       if (!lower) break;
     }
     for (int sweep = 0; sweep < options_.worst_sweeps; ++sweep) {
       bool better = false;
-      for (const HomeOfMoved& m : moved_) better |= work.smooth_within(m.vertex, m.home, reach);
-      for (const Index v : near) better |= work.smooth(v);
-      better |= reconnect(work, least(work) > kNearTarget * target_ || last ? Means::all : Means::flips, target_);
+      for (const HomeOfMoved& m : moved_)
+        if (!good_around(work, m.vertex)) better |= work.smooth_within(m.vertex, m.home, reach);
+      for (const Index v : near)
+        if (!good_around(work, v)) better |= work.smooth(v);
+      better |= reconnect(work, room(work).least > kNearTarget * target_ || last ? Means::all : Means::flips, target_);
       near = followers(work);
       if (!better) break;
     }
