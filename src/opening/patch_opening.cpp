@@ -36,39 +36,33 @@ class PlaceOpening {
   PlaceOpening(MeshPart& part, const std::vector<HomeOfMoved>& moved, const OpeningOptions& options,
                const RunContext& context)
       : part_(part), moved_(moved), options_(options), context_(context), mesh_(part.complex) {
+    most_tets_ = static_cast<Index>(kMostTets * static_cast<double>(mesh_.tet_count()));
     target_ = std::sin(options.target_degrees * std::numbers::pi / 180);
   }
 
   OpenedPlace run() {
     OpenedPlace out;
     out.vertices = static_cast<Index>(moved_.size());
-    LocalOperations work = operations();
     const TetComplex start = mesh_;
-    const Room before = room(work);
-    double reach = farthest();
-    const double most =
-        std::min(options_.largest_move, std::max(options_.edges * mean_edge(), options_.further * reach));
-    better_tets(work);
-    Room best = room(work);
-    double mark = best.sum;  // of the last gain
-    TetComplex best_mesh = mesh_;
-    for (int idle = 0; idle < options_.idle_rounds && best.sum < 0 && !context_.stop();) {
-      if (reach >= most && idle > 0) break;
-      reach = std::min(most, options_.growth * reach);
-      round(work, reach, reach == most);
-      ++out.rounds;
-      const Room now = room(work);
-      if (now.sum > best.sum && now.least >= best.least) best = now, best_mesh = mesh_;
-      // So much of one vertex, or of all.
-      if (best.sum > std::min(mark + std::log(options_.gain), mark / options_.gain)) {
-        mark = best.sum;
-        idle = 0;
-      } else {
-        ++idle;
+    const Room before = room(operations());
+    const double most = std::min(options_.largest_move,
+                                 std::max(options_.edges * mean_edge(), options_.further * farthest()));
+    Room best = open(most, out);
+    while (best.least < kAskForHelp * target_ && !context_.stop()) {
+      const TetComplex alone = mesh_;
+      const std::vector<HomeOfMoved> known = moved_;
+      if (!ask_neighbours()) break;
+      const Room helped = open(most, out);
+      if (helped.least > options_.gain * best.least) {
+        best = helped;
+        continue;
       }
+      mesh_ = alone;
+      moved_ = known;
+      break;
     }
-    out.opened = best.sum > before.sum + std::log(options_.worthwhile);
-    mesh_ = out.opened ? std::move(best_mesh) : start;
+    out.opened = best.sum > before.sum + std::log(options_.worthwhile) || best.least > options_.worthwhile * before.least;
+    if (!out.opened) mesh_ = start;
     if (options_.home_sweeps > 0) {
       come_nearer();
       LocalOperations last = operations();
@@ -85,7 +79,7 @@ class PlaceOpening {
   }
 
  private:
-  enum class Means { flips, all };
+  enum class Means { flips, fewer, all };  // fewer: what needs no new vertex
 
   // How good the tets at moved vertices are: the least quality, and the logarithms of each vertex's least one over
   // the target, where it is less, in one sum. The least alone does not see what is gained at other vertices.
@@ -104,6 +98,52 @@ class PlaceOpening {
   // Tets that are so good need not get better, but leave others room.
   bool good_around(const LocalOperations& work, Index v) {
     return worst_of_star(work, v) >= kRoomAbove * target_;
+  }
+
+  // Rounds in growing balls, of radius `most` in the end; ends with the best mesh of them.
+  Room open(double most, OpenedPlace& out) {
+    LocalOperations work = operations();
+    better_tets(work);
+    Room best = room(work);
+    double mark = best.sum;  // of the last gain
+    double reach = farthest();
+    TetComplex best_mesh = mesh_;
+    for (int idle = 0; idle < options_.idle_rounds && best.sum < 0 && !context_.stop();) {
+      if (reach >= most && idle > 0) break;
+      reach = std::min(most, options_.growth * reach);
+      round(work, reach);
+      ++out.rounds;
+      const Room now = room(work);
+      if (now.sum > best.sum && now.least >= best.least) best = now, best_mesh = mesh_;
+      // So much of one vertex, or of all.
+      if (best.sum > std::min(mark + std::log(options_.gain), mark / options_.gain)) {
+        mark = best.sum;
+        idle = 0;
+      } else {
+        ++idle;
+      }
+    }
+    mesh_ = std::move(best_mesh);
+    return best;
+  }
+
+  // From now on the surface's vertices at the worst tets move as well. False: there are no others.
+  bool ask_neighbours() {
+    const LocalOperations work = operations();
+    std::set<Index> others;
+    std::vector<Index> star;
+    for (const HomeOfMoved& m : moved_) {
+      mesh_.star(m.vertex, star);
+      for (const Index t : star)
+        if (work.quality(t) < kAskForHelp * target_)
+          for (const Index v : mesh_.tet(t))
+            if (work.fixed(v) && !work.shared(v)) others.insert(v);
+    }
+    for (const HomeOfMoved& m : moved_) others.erase(m.vertex);
+    for (const Index v : others) moved_.push_back({v, mesh_.position(v)});
+    std::sort(moved_.begin(), moved_.end(),
+              [](const HomeOfMoved& a, const HomeOfMoved& b) { return a.vertex < b.vertex; });
+    return !others.empty();
   }
 
   LocalOperations operations() {
@@ -155,13 +195,15 @@ class PlaceOpening {
 
   // Other tets, and other places for free vertices, as long as that helps.
   void better_tets(LocalOperations& work) {
-    for (int sweep = 0; sweep < options_.worst_sweeps && !context_.stop(); ++sweep) {
-      if (room(work).sum == 0) return;
-      bool better = false;
-      for (const Index v : followers(work)) better |= work.smooth(v);
-      better |= reconnect(work, Means::all, target_);
-      if (!better) return;
-    }
+    for (const Means means : {Means::fewer, Means::all})
+      for (int sweep = 0; sweep < options_.worst_sweeps && !context_.stop(); ++sweep) {
+        const Room before = room(work);
+        if (before.sum == 0) return;
+        for (const Index v : followers(work))
+          if (!good_around(work, v)) work.smooth(v);
+        reconnect(work, means, target_);
+        if (!(room(work).sum > before.sum / options_.gain)) break;
+      }
   }
 
   // All moves cut back to one length, the least that is found that leaves as much room.
@@ -172,7 +214,7 @@ class PlaceOpening {
       const double reach = part * farthest();
       LocalOperations work = operations();
       if (cut_back(work, reach)) {
-        sweeps(work, reach, true);
+        sweeps(work, reach);
         const Room now = room(work);
         if (now.sum >= floor.sum && now.least >= std::min(floor.least, target_)) continue;
       }
@@ -213,15 +255,23 @@ class PlaceOpening {
 
   void step_home(LocalOperations& work, const HomeOfMoved& m) {
     const Vector3d from = mesh_.position(m.vertex);
-    const double floor = std::min(target_, worst_of_star(work, m.vertex));
+    const double floor = std::min(target_, worst_of_star(work, m.vertex)), lack = lack_of_star(work, m.vertex);
     for (const double part : kPartsOfWayHome) {
       if (!work.place(m.vertex, part == 1 ? m.home : Vector3d(from + part * (m.home - from)))) continue;
-      if (worst_of_star(work, m.vertex) >= floor) return;
+      if (worst_of_star(work, m.vertex) >= floor && lack_of_star(work, m.vertex) >= lack) return;
       work.place(m.vertex, from);
     }
   }
 
   double away(const HomeOfMoved& m) const { return (mesh_.position(m.vertex) - m.home).norm(); }
+
+  // As Room::sum, of the tets of a star.
+  double lack_of_star(const LocalOperations& work, Index v) {
+    mesh_.star(v, star_);
+    double sum = 0;
+    for (const Index t : star_) sum += std::min(0.0, std::log(work.quality(t) / target_));
+    return sum;
+  }
 
   double worst_of_star(const LocalOperations& work, Index v) {
     mesh_.star(v, star_);
@@ -230,13 +280,12 @@ class PlaceOpening {
     return q;
   }
 
-  // last: there is no larger ball.
-  void round(LocalOperations& work, double reach, bool last) {
+  void round(LocalOperations& work, double reach) {
     scale(work, reach);
-    sweeps(work, reach, last);
+    sweeps(work, reach);
   }
 
-  void sweeps(LocalOperations& work, double reach, bool last) {
+  void sweeps(LocalOperations& work, double reach) {
     std::vector<Index> near = followers(work);
     for (int sweep = 0; sweep < options_.energy_sweeps; ++sweep) {
       bool lower = false;
@@ -246,13 +295,21 @@ class PlaceOpening {
         if (!good_around(work, v)) lower |= descend(work, v, nullptr, reach);
       if (!lower) break;
     }
+    for (int sweep = 0; sweep < options_.energy_sweeps; ++sweep) {
+      bool lower = false;
+      for (const HomeOfMoved& m : moved_)
+        if (!good_around(work, m.vertex)) lower |= soften(work, m.vertex, &m, reach);
+      for (const Index v : near)
+        if (!good_around(work, v)) lower |= soften(work, v, nullptr, reach);
+      if (!lower) break;
+    }
     for (int sweep = 0; sweep < options_.worst_sweeps; ++sweep) {
       bool better = false;
       for (const HomeOfMoved& m : moved_)
         if (!good_around(work, m.vertex)) better |= work.smooth_within(m.vertex, m.home, reach);
       for (const Index v : near)
         if (!good_around(work, v)) better |= work.smooth(v);
-      better |= reconnect(work, room(work).least > kNearTarget * target_ || last ? Means::all : Means::flips, target_);
+      better |= reconnect(work, Means::all, target_);
       near = followers(work);
       if (!better) break;
     }
@@ -366,6 +423,47 @@ class PlaceOpening {
     return false;
   }
 
+  // A step towards a lower sum of powers of one over the sines, nearly a smallest sine: where several vertices
+  // hold the worst tet together, none can better it alone, but one after the other lowers the sum.
+  bool soften(LocalOperations& work, Index v, const HomeOfMoved* held, double reach) {
+    mesh_.star(v, star_);
+    const Vector3d from = mesh_.position(v);
+    StarEnergy sum;
+    if (!std::isfinite(sum_of_sines(v, from, &sum))) return false;
+    sum.hessian += kDamping * sum.hessian.trace() * Matrix3d::Identity();
+    const Vector3d step = -sum.hessian.ldlt().solve(sum.gradient);
+    if (!step.allFinite()) return false;
+    double length = 1;
+    for (int halving = 0; halving < kMostHalvings; ++halving, length *= 0.5) {
+      Vector3d to = from + length * step;
+      if (held) to = inside(to, held->home, reach);
+      if (sum_of_sines(v, to, nullptr) < kSoftGain * sum.value && work.place(v, to)) return true;
+    }
+    return false;
+  }
+
+  // Over the star of v, were v at x; infinite where a tet is not positive.
+  double sum_of_sines(Index v, const Vector3d& x, StarEnergy* derivatives) const {
+    DihedralSines sines;
+    double sum = 0;
+    for (const Index t : star_) {
+      const auto face = tet_inner_face(mesh_.tet(t), mesh_.corner(t, v));
+      const Vector3d a = mesh_.position(face[0]), b = mesh_.position(face[1]), c = mesh_.position(face[2]);
+      if (!((b - a).cross(c - a).dot(x - a) > 0)) return std::numeric_limits<double>::infinity();
+      dihedral_sines(a, b, c, x, sines);
+      for (std::size_t e = 0; e < 6; ++e) {
+        const double one = std::pow(sines.sine[e] / target_, -kSoftPower);
+        sum += one;
+        if (!derivatives) continue;
+        const Vector3d& g = sines.log_gradient[e];
+        derivatives->gradient -= kSoftPower * one * g;
+        derivatives->hessian += kSoftPower * kSoftPower * one * g * g.transpose();
+      }
+    }
+    if (derivatives) derivatives->value = sum;
+    return sum;
+  }
+
   // Other tets for those at moved vertices that are worse than that.
   bool reconnect(LocalOperations& work, Means means, double below) {
     std::set<std::pair<double, Index>> bad;
@@ -391,17 +489,19 @@ class PlaceOpening {
     for (const auto& [i, j] : kTetEdge)
       if (work.collapse(c[i], c[j]) || work.collapse(c[j], c[i])) return true;
     if (work.reconnect(t)) return true;
+    if (means == Means::fewer || mesh_.tet_count() > most_tets_) return false;
     for (const auto& [i, j] : kTetEdge)
       if (work.insert_at_edge(t, c[i], c[j])) return true;
     return work.insert_around(t);
   }
 
   MeshPart& part_;
-  const std::vector<HomeOfMoved>& moved_;
+  std::vector<HomeOfMoved> moved_;  // by vertex
   const OpeningOptions& options_;
   const RunContext& context_;
   TetComplex& mesh_;
   double target_ = 0;  // sine
+  Index most_tets_ = 0;
   std::vector<Index> star_;
 };
 

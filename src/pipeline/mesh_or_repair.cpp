@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "src/opening/opening.h"
 #include "src/pipeline/component_meshing.h"
 #include "src/pipeline/finishing.h"
 #include "src/pipeline/repair_route.h"
@@ -131,6 +132,19 @@ Result<MeshedSurface> repair_by_parts(const Surface& surface, const std::vector<
   return MeshedSurface{std::move(whole).value(), moves.all()};
 }
 
+// Among the improved tets there may be room that there was not before.
+Result<RepairedMesh> opened_again(const RepairJob& job, RepairedMesh finished) {
+  const double before = least_angle_at_moved(finished.mesh, job.surface.V);
+  if (before >= kUsableDegrees) return finished;
+  RepairedMesh again = finished;
+  const Result<double> after = opened(job, again);
+  if (!after) return after.error();
+  if (!(after.value() > before)) return finished;
+  Result<TetMesh> checked = finish_given({again.surface, 0, job.context, job.records}, std::move(again.mesh));
+  if (!checked) return repairable(checked.error()) ? Result<RepairedMesh>(finished) : checked.error();
+  return measured(job, std::move(checked).value());
+}
+
 Result<MeshedSurface> repair_whole(const Surface& surface, const MeshingOptions& options,
                                    const RunContext& context, std::vector<StageRecord>& records,
                                    const FirstFailure& first) {
@@ -152,7 +166,9 @@ Result<MeshedSurface> repair_whole(const Surface& surface, const MeshingOptions&
   Result<TetMesh> mesh = finish_given(
       {r.surface, good_already ? 0 : options.improve_degrees, context, records}, std::move(r.mesh));
   if (!mesh) return mesh.error();
-  return MeshedSurface{std::move(mesh).value(), std::move(r.moves)};
+  Result<RepairedMesh> last = opened_again(job, measured(job, std::move(mesh).value()));
+  if (!last) return last.error();
+  return MeshedSurface{std::move(last.value().mesh), std::move(last.value().moves)};
 }
 
 }  // namespace
