@@ -45,7 +45,8 @@ struct InputRecord {
 struct MovedAngles {
   // The least of the tets at moved vertices; angles near 180 count with what is missing to 180.
   double least = 0;
-  // At moved vertices, wherever they go within the allowed move: where the edge of a touched face has not moved.
+  // At moved vertices, wherever they go within the allowed move: where the edge of a touched face has not
+  // moved.
   double bound = 0;
   double bound_as_moved = 0;   // at moved vertices, where they are now
   double bound_elsewhere = 0;  // between faces without moved vertices, wherever these go

@@ -75,10 +75,12 @@ std::string time_by_stage(const Report& r) {
   std::vector<std::pair<std::string, double>> sums;
   double rest = r.seconds;
   for (const StageRecord& s : r.stages) {
-    const auto same = std::find_if(sums.begin(), sums.end(), [&](const auto& x) { return x.first == s.name; });
+    const auto same =
+        std::find_if(sums.begin(), sums.end(), [&](const auto& x) { return x.first == s.name; });
     (same == sums.end() ? sums.emplace_back(s.name, 0) : *same).second += s.seconds;
   }
-  std::stable_sort(sums.begin(), sums.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  std::stable_sort(sums.begin(), sums.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
   std::string text;
   for (const auto& [name, seconds] : sums) {
     if (seconds < 0.05 * r.seconds) break;

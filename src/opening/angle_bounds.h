@@ -15,7 +15,8 @@ inline constexpr double kRegularAngle = 70.528779365509308;
 struct AngleBounds {
   // At the surface's edges in faces with a moved vertex: the tet at the face has the edge and the vertex.
   double as_moved = kRegularAngle;  // of all meshes with the moved vertices where they are
-  double at_moved = kRegularAngle;  // wherever they go within `reach`: at edges that have not moved themselves
+  double at_moved =
+      kRegularAngle;  // wherever they go within `reach`: at edges that have not moved themselves
   // At edges between faces without moved vertices, wherever those go.
   double elsewhere = kRegularAngle;
 };

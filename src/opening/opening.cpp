@@ -61,9 +61,10 @@ Status OpeningOptions::validate() const {
   if (!(largest_move > 0)) return Error{ErrorCode::usage, "largest_move must be positive."};
   if (!(edges > 0 && further > 0)) return Error{ErrorCode::usage, "edges and further must be positive."};
   if (!(growth > 1)) return Error{ErrorCode::usage, "growth must be above 1."};
-  if (layers < 1 || idle_rounds < 1 || energy_sweeps < 0 || worst_sweeps < 0 || home_sweeps < 0)
+  if (layers < 1 || idle_rounds < 1 || energy_sweeps < 0 || worst_sweeps < 0 || home_sweeps < 0 ||
+      most_helps < 0)
     return Error{ErrorCode::usage,
-                 "layers and idle_rounds must be at least 1, and numbers of sweeps not negative."};
+                 "layers and idle_rounds must be at least 1, and numbers of sweeps and helps not negative."};
   if (!(worthwhile >= 1 && gain >= 1))
     return Error{ErrorCode::usage, "worthwhile and gain must be at least 1."};
   return success();

@@ -45,23 +45,35 @@ class PlaceOpening {
     out.vertices = static_cast<Index>(moved_.size());
     const TetComplex start = mesh_;
     const Room before = room(operations());
+    if (options_.moves == OpeningOptions::Moves::inside) {
+      LocalOperations work = operations();
+      better_tets(work);
+      const Room after = room(work);
+      out.opened = after.least > before.least;
+      if (!out.opened) mesh_ = start;
+      out.degrees_before = degrees_of(before.least);
+      out.degrees_after = degrees_of(std::max(before.least, after.least));
+      out.farthest = farthest();
+      out.away = out.vertices;
+      return out;
+    }
     const double most = std::min(options_.largest_move,
                                  std::max(options_.edges * mean_edge(), options_.further * farthest()));
     Room best = open(most, out);
-    while (best.least < kAskForHelp * target_ && !context_.stop()) {
+    for (int i = 0; i < options_.most_helps && best.least < kAskForHelp * target_ && !context_.stop(); ++i) {
       const TetComplex alone = mesh_;
       const std::vector<HomeOfMoved> known = moved_;
       if (!ask_neighbours()) break;
       const Room helped = open(most, out);
-      if (helped.least > options_.gain * best.least) {
-        best = helped;
-        continue;
+      if (!(helped.least > options_.gain * best.least)) {
+        mesh_ = alone;
+        moved_ = known;
+        break;
       }
-      mesh_ = alone;
-      moved_ = known;
-      break;
+      best = helped;
     }
-    out.opened = best.sum > before.sum + std::log(options_.worthwhile) || best.least > options_.worthwhile * before.least;
+    out.opened = best.sum > before.sum + std::log(options_.worthwhile) ||
+                 best.least > options_.worthwhile * before.least;
     if (!out.opened) mesh_ = start;
     if (options_.home_sweeps > 0) {
       come_nearer();
@@ -70,19 +82,19 @@ class PlaceOpening {
         out.opened = true;
     }
     out.degrees_before = degrees_of(before.least);
-    out.degrees_after = degrees_of(room(operations()).least);
+    std::erase_if(moved_, [&](const HomeOfMoved& m) { return mesh_.position(m.vertex) == m.home; });
+    out.degrees_after = moved_.empty() ? 90 : degrees_of(room(operations()).least);
     out.farthest = farthest();
-    out.away = static_cast<Index>(std::count_if(moved_.begin(), moved_.end(), [&](const HomeOfMoved& m) {
-      return mesh_.position(m.vertex) != m.home;
-    }));
+    out.away = static_cast<Index>(moved_.size());
     return out;
   }
 
  private:
   enum class Means { flips, fewer, all };  // fewer: what needs no new vertex
 
-  // How good the tets at moved vertices are: the least quality, and the logarithms of each vertex's least one over
-  // the target, where it is less, in one sum. The least alone does not see what is gained at other vertices.
+  // How good the tets at moved vertices are: the least quality, and the logarithms of each vertex's least one
+  // over the target, where it is less, in one sum. The least alone does not see what is gained at other
+  // vertices.
   struct Room {
     double least = std::numeric_limits<double>::infinity(), sum = 0;
   };
@@ -245,8 +257,7 @@ class PlaceOpening {
     if (!(now < kHomeGain * before)) return false;
     // Room for the next ones.
     for (const HomeOfMoved& m : moved_)
-      if (away(m) > 0 && !good_around(work, m.vertex))
-        work.smooth_within(m.vertex, m.home, away(m));
+      if (away(m) > 0 && !good_around(work, m.vertex)) work.smooth_within(m.vertex, m.home, away(m));
     for (const Index v : followers(work))
       if (!good_around(work, v)) work.smooth(v);
     reconnect(work, Means::flips, kRoomAbove * target_);
@@ -255,7 +266,8 @@ class PlaceOpening {
 
   void step_home(LocalOperations& work, const HomeOfMoved& m) {
     const Vector3d from = mesh_.position(m.vertex);
-    const double floor = std::min(target_, worst_of_star(work, m.vertex)), lack = lack_of_star(work, m.vertex);
+    const double floor = std::min(target_, worst_of_star(work, m.vertex)),
+                 lack = lack_of_star(work, m.vertex);
     for (const double part : kPartsOfWayHome) {
       if (!work.place(m.vertex, part == 1 ? m.home : Vector3d(from + part * (m.home - from)))) continue;
       if (worst_of_star(work, m.vertex) >= floor && lack_of_star(work, m.vertex) >= lack) return;
@@ -423,8 +435,8 @@ class PlaceOpening {
     return false;
   }
 
-  // A step towards a lower sum of powers of one over the sines, nearly a smallest sine: where several vertices
-  // hold the worst tet together, none can better it alone, but one after the other lowers the sum.
+  // A step towards a lower sum of powers of one over the sines, nearly a smallest sine: where several
+  // vertices hold the worst tet together, none can better it alone, but one after the other lowers the sum.
   bool soften(LocalOperations& work, Index v, const HomeOfMoved* held, double reach) {
     mesh_.star(v, star_);
     const Vector3d from = mesh_.position(v);

@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "src/opening/opening.h"
 #include "src/pipeline/component_meshing.h"
 #include "src/pipeline/finishing.h"
 #include "src/pipeline/repair_route.h"
@@ -132,17 +131,44 @@ Result<MeshedSurface> repair_by_parts(const Surface& surface, const std::vector<
   return MeshedSurface{std::move(whole).value(), moves.all()};
 }
 
-// Among the improved tets there may be room that there was not before.
-Result<RepairedMesh> opened_again(const RepairJob& job, RepairedMesh finished) {
-  const double before = least_angle_at_moved(finished.mesh, job.surface.V);
-  if (before >= kUsableDegrees) return finished;
-  RepairedMesh again = finished;
-  const Result<double> after = opened(job, again);
-  if (!after) return after.error();
-  if (!(after.value() > before)) return finished;
-  Result<TetMesh> checked = finish_given({again.surface, 0, job.context, job.records}, std::move(again.mesh));
-  if (!checked) return repairable(checked.error()) ? Result<RepairedMesh>(finished) : checked.error();
-  return measured(job, std::move(checked).value());
+// Moved vertices with as much room as can be found. Which surface it ends with does not depend on the quality
+// pass that the run is to make.
+Status opened_wide(const RepairJob& job, RepairedMesh& r) {
+  // What was pulled has moved less; where it has no room, what it was pulled from may have.
+  const std::shared_ptr<RepairedMesh> before = std::move(r.before_pull);
+  const Result<double> first = opened(job, r);
+  if (!first) return first.error();
+  double degrees = first.value();
+  if (before && degrees < kUsableDegrees) {
+    const Result<double> others = opened(job, *before);
+    if (!others) return others.error();
+    if (others.value() > degrees) r = std::move(*before), degrees = others.value();
+  }
+  if (degrees >= kUsableDegrees) return success();
+  // Among better tets there may be room.
+  Result<TetMesh> better = finish_moved(job, r.surface, r.mesh);
+  if (!better) return repairable(better.error()) ? success() : Status(better.error());
+  RepairedMesh again = measured(job, std::move(better).value());
+  const Result<double> second = opened(job, again);
+  if (!second) return second.error();
+  if (second.value() > degrees) {
+    r = std::move(again);
+    r.state = RepairedMesh::State::pulled;
+  }
+  return success();
+}
+
+// The quality pass gives up some tets for others: not those at moved vertices.
+Result<TetMesh> with_room_at_moved(const RepairJob& job, RepairedMesh finished) {
+  if (least_angle_at_moved(finished.mesh, job.surface.V) >= kUsableDegrees) return std::move(finished.mesh);
+  RepairedMesh better = finished;
+  if (const Result<double> done = opened(job, better, OpeningOptions::Moves::inside); !done)
+    return done.error();
+  if (better.state == RepairedMesh::State::finished) return std::move(finished.mesh);
+  Result<TetMesh> checked =
+      finish_given({better.surface, 0, job.context, job.records}, std::move(better.mesh));
+  if (!checked && repairable(checked.error())) return std::move(finished.mesh);
+  return checked;
 }
 
 Result<MeshedSurface> repair_whole(const Surface& surface, const MeshingOptions& options,
@@ -152,23 +178,15 @@ Result<MeshedSurface> repair_whole(const Surface& surface, const MeshingOptions&
   Result<RepairedMesh> repaired = mesh_repaired(job, first.error, first.unglued);
   if (!repaired) return repaired.error();
   RepairedMesh& r = repaired.value();
-  // What was pulled has moved less; where it has no room, what it was pulled from may have.
-  const std::shared_ptr<RepairedMesh> before = std::move(r.before_pull);
-  const Result<double> degrees = opened(job, r);
-  if (!degrees) return degrees.error();
-  if (before && degrees.value() < kUsableDegrees) {
-    const Result<double> others = opened(job, *before);
-    if (!others) return others.error();
-    if (others.value() > degrees.value()) r = std::move(*before);
-  }
+  if (Status s = opened_wide(job, r); !s) return s.error();
   const bool good_already =
       r.state == RepairedMesh::State::finished && options.improve_degrees <= kAttemptDegrees;
   Result<TetMesh> mesh = finish_given(
       {r.surface, good_already ? 0 : options.improve_degrees, context, records}, std::move(r.mesh));
   if (!mesh) return mesh.error();
-  Result<RepairedMesh> last = opened_again(job, measured(job, std::move(mesh).value()));
-  if (!last) return last.error();
-  return MeshedSurface{std::move(last.value().mesh), std::move(last.value().moves)};
+  Result<TetMesh> settled = with_room_at_moved(job, measured(job, std::move(mesh).value()));
+  if (!settled) return settled.error();
+  return MeshedSurface{std::move(settled).value(), std::move(r.moves)};
 }
 
 }  // namespace

@@ -22,8 +22,7 @@ double seconds_since(RunContext::Clock::time_point start) {
 
 MovedAngles angles_at_moved(const Surface& surface, const MeshingOptions& options, const TetMesh& mesh) {
   const double diagonal = (surface.V.colwise().maxCoeff() - surface.V.colwise().minCoeff()).norm();
-  const AngleBounds bounds =
-      angle_bounds(mesh, surface.F, surface.V, options.max_repair_move * diagonal);
+  const AngleBounds bounds = angle_bounds(mesh, surface.F, surface.V, options.max_repair_move * diagonal);
   return {least_angle_at_moved(mesh, surface.V), bounds.at_moved, bounds.as_moved, bounds.elsewhere};
 }
 

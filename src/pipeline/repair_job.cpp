@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "src/cdt/tuning.h"
-#include "src/opening/opening.h"
 #include "src/pipeline/finishing.h"
 #include "src/pipeline/stage_clock.h"
 #include "src/pipeline/surface_run.h"
@@ -81,8 +80,9 @@ Result<TetMesh> finish_moved(const RepairJob& job, const Surface& moved, TetMesh
                       std::move(mesh));
 }
 
-Result<double> opened(const RepairJob& job, RepairedMesh& repaired) {
+Result<double> opened(const RepairJob& job, RepairedMesh& repaired, OpeningOptions::Moves moves) {
   OpeningOptions options;
+  options.moves = moves;
   options.largest_move = job.allowed() * job.diagonal;
   TetMesh mesh = repaired.mesh;
   bool any = false;

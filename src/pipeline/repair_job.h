@@ -12,6 +12,7 @@
 #include "overtet/run_context.h"
 #include "overtet/types.h"
 #include "src/certificates/diagnose.h"
+#include "src/opening/opening.h"
 #include "src/pipeline/pipeline.h"
 
 namespace overtet {
@@ -78,7 +79,8 @@ Result<TetMesh> finish_moved(const RepairJob& job, const Surface& moved, TetMesh
 // Moved vertices moved further, no further than is allowed, where the tets at them are bad, and nearer to
 // their places where that leaves them good (src/opening). Returns the least angle at them, in degrees.
 // Errors: limit, interrupted.
-Result<double> opened(const RepairJob& job, RepairedMesh& repaired);
+Result<double> opened(const RepairJob& job, RepairedMesh& repaired,
+                      OpeningOptions::Moves moves = OpeningOptions::Moves::surface);
 
 // The boundary of a mesh pulled to the input, every tet positive all the way (src/volume_map).
 struct Pull {

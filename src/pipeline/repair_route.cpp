@@ -119,7 +119,8 @@ class Repairing {
   double least_relative_move() const {
     double distance = 0;
     (void)timed_stage("least_move", job_.records, job_.context, [&](StageRecord&) -> Status {
-      if (const auto least = least_move(job_.surface, job_.diagnosis, job_.context)) distance = least->distance;
+      if (const auto least = least_move(job_.surface, job_.diagnosis, job_.context))
+        distance = least->distance;
       return success();
     });
     return distance / job_.diagonal;
@@ -136,7 +137,8 @@ class Repairing {
     if (way.reach == WayOut::Reach::far) pull = {Pull::Pace::slow, job_.allowed(), Pull::Aim::home};
     Result<std::optional<RepairedMesh>> back = pulled(job_, best, pull);
     if (!back) return back;
-    if (back.value() && (best.moves.max_relative > job_.allowed() || better(back.value()->moves, best.moves))) {
+    if (back.value() &&
+        (best.moves.max_relative > job_.allowed() || better(back.value()->moves, best.moves))) {
       auto before = std::make_shared<RepairedMesh>(std::move(best));
       best = std::move(*back.value());
       if (before->moves.max_relative <= job_.allowed()) best.before_pull = std::move(before);
@@ -206,8 +208,8 @@ class Repairing {
       if (fixed.value().moved.empty()) return std::optional<RepairedMesh>();
       if (way.reach == WayOut::Reach::far) found_surface_ = true;
       options.earlier = fixed.value().memory;
-      MeshAttempt attempt = mesh_moved(job_, fixed.value().surface, found_mesh_ ? Need::luxury : Need::first,
-                                       tets);
+      MeshAttempt attempt =
+          mesh_moved(job_, fixed.value().surface, found_mesh_ ? Need::luxury : Need::first, tets);
       options.place = attempt.unglued;
       Result<std::optional<RepairedMesh>> mesh = found(std::move(attempt));
       if (mesh && mesh.value() && tets == Tets::as_made) mesh.value()->state = RepairedMesh::State::as_made;

@@ -26,8 +26,8 @@ enum class PokingOut {
   all     // all vertices around them in front of which the winding number is negative, too
 };
 
-// What the diagnosis of a surface objects to. diagnosis: complete, with the whole winding range, or ended where
-// a face has no area. Errors: bad_input.
+// What the diagnosis of a surface objects to. diagnosis: complete, with the whole winding range, or ended
+// where a face has no area. Errors: bad_input.
 Result<Findings> offences_of(const Surface& surface, Diagnosis diagnosis, const VertexRings& rings,
                              double diagonal, PokingOut poking_out);
 
