@@ -38,6 +38,7 @@ class PlaceOpening {
       : part_(part), moved_(moved), options_(options), context_(context), mesh_(part.complex) {
     most_tets_ = static_cast<Index>(kMostTets * static_cast<double>(mesh_.tet_count()));
     target_ = std::sin(options.target_degrees * std::numbers::pi / 180);
+    wanted_ = target_;
   }
 
   OpenedPlace run() {
@@ -64,6 +65,7 @@ class PlaceOpening {
       const TetComplex alone = mesh_;
       const std::vector<HomeOfMoved> known = moved_;
       if (!ask_neighbours()) break;
+      wanted_ = kAskForHelp * target_;  // others have been as far as they get
       const Room helped = open(most, out);
       if (!(helped.least > options_.gain * best.least)) {
         mesh_ = alone;
@@ -72,6 +74,7 @@ class PlaceOpening {
       }
       best = helped;
     }
+    wanted_ = target_;
     out.opened = best.sum > before.sum + std::log(options_.worthwhile) ||
                  best.least > options_.worthwhile * before.least;
     if (!out.opened) mesh_ = start;
@@ -109,7 +112,7 @@ class PlaceOpening {
   }
   // Tets that are so good need not get better, but leave others room.
   bool good_around(const LocalOperations& work, Index v) {
-    return worst_of_star(work, v) >= kRoomAbove * target_;
+    return worst_of_star(work, v) >= kRoomAbove * wanted_;
   }
 
   // Rounds in growing balls, of radius `most` in the end; ends with the best mesh of them.
@@ -213,7 +216,7 @@ class PlaceOpening {
         if (before.sum == 0) return;
         for (const Index v : followers(work))
           if (!good_around(work, v)) work.smooth(v);
-        reconnect(work, means, target_);
+        reconnect(work, means, wanted_);
         if (!(room(work).sum > before.sum / options_.gain)) break;
       }
   }
@@ -321,7 +324,7 @@ class PlaceOpening {
         if (!good_around(work, m.vertex)) better |= work.smooth_within(m.vertex, m.home, reach);
       for (const Index v : near)
         if (!good_around(work, v)) better |= work.smooth(v);
-      better |= reconnect(work, Means::all, target_);
+      better |= reconnect(work, Means::all, wanted_);
       near = followers(work);
       if (!better) break;
     }
@@ -512,7 +515,7 @@ class PlaceOpening {
   const OpeningOptions& options_;
   const RunContext& context_;
   TetComplex& mesh_;
-  double target_ = 0;  // sine
+  double target_ = 0, wanted_ = 0;  // sines; wanted: below it tets are worked on
   Index most_tets_ = 0;
   std::vector<Index> star_;
 };

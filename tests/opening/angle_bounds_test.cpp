@@ -37,7 +37,8 @@ VertexMatrix corners(double height) {
 }
 
 double angle(const VertexMatrix& V, int edge) {
-  return dihedral_angles(V.row(0), V.row(1), V.row(2), V.row(3))[static_cast<std::size_t>(edge)] * 180 / EIGEN_PI;
+  return dihedral_angles(V.row(0), V.row(1), V.row(2), V.row(3))[static_cast<std::size_t>(edge)] * 180 /
+         EIGEN_PI;
 }
 
 TEST(AngleBounds, UntouchedEdgesBoundWhatIsElsewhere) {
