@@ -49,9 +49,13 @@ struct OpeningOptions {
   double worthwhile = 1.3;
   // So often the surface's vertices at the worst tets are taken along, where moved ones find no room alone.
   int most_helps = 4;
+  double usable_degrees = 5;  // that is where the least angle stays below this
+  double most_tets = 1.5;     // times those that there were: no more are made by new vertices
+  double power = 6;           // of one over the sines; larger ones see the worst only, but lock earlier
   // In the end vertices go home, or nearer to it, where no tet becomes worse than the target: so many times
   // each at most, and ever shorter ways. 0: none does.
   int home_sweeps = 30;
+  int home_halvings = 4;  // of the way, until a step is short enough
 
   Status validate() const;
 };

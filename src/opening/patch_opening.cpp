@@ -36,8 +36,9 @@ class PlaceOpening {
   PlaceOpening(MeshPart& part, const std::vector<HomeOfMoved>& moved, const OpeningOptions& options,
                const RunContext& context)
       : part_(part), moved_(moved), options_(options), context_(context), mesh_(part.complex) {
-    most_tets_ = static_cast<Index>(kMostTets * static_cast<double>(mesh_.tet_count()));
+    most_tets_ = static_cast<Index>(options.most_tets * static_cast<double>(mesh_.tet_count()));
     target_ = std::sin(options.target_degrees * std::numbers::pi / 180);
+    usable_ = std::sin(options.usable_degrees * std::numbers::pi / 180);
     wanted_ = target_;
   }
 
@@ -61,11 +62,11 @@ class PlaceOpening {
     const double most = std::min(options_.largest_move,
                                  std::max(options_.edges * mean_edge(), options_.further * farthest()));
     Room best = open(most, out);
-    for (int i = 0; i < options_.most_helps && best.least < kAskForHelp * target_ && !context_.stop(); ++i) {
+    for (int i = 0; i < options_.most_helps && best.least < usable_ && !context_.stop(); ++i) {
       const TetComplex alone = mesh_;
       const std::vector<HomeOfMoved> known = moved_;
       if (!ask_neighbours()) break;
-      wanted_ = kAskForHelp * target_;  // others have been as far as they get
+      wanted_ = usable_;  // others have been as far as they get
       const Room helped = open(most, out);
       if (!(helped.least > options_.gain * best.least)) {
         mesh_ = alone;
@@ -150,7 +151,7 @@ class PlaceOpening {
     for (const HomeOfMoved& m : moved_) {
       mesh_.star(m.vertex, star);
       for (const Index t : star)
-        if (work.quality(t) < kAskForHelp * target_)
+        if (work.quality(t) < usable_)
           for (const Index v : mesh_.tet(t))
             if (work.fixed(v) && !work.shared(v)) others.insert(v);
     }
@@ -224,7 +225,7 @@ class PlaceOpening {
   // All moves cut back to one length, the least that is found that leaves as much room.
   void come_nearer() {
     const Room floor = room(operations());
-    for (double part = kFirstCut; part < kLastCut && !context_.stop();) {
+    for (double part = kFirstCut; part * options_.gain < 1 && !context_.stop();) {
       const TetComplex before = mesh_;
       const double reach = part * farthest();
       LocalOperations work = operations();
@@ -257,7 +258,7 @@ class PlaceOpening {
       step_home(work, moved_[i]);
       now += away(moved_[i]);
     }
-    if (!(now < kHomeGain * before)) return false;
+    if (!(options_.gain * now < before)) return false;
     // Room for the next ones.
     for (const HomeOfMoved& m : moved_)
       if (away(m) > 0 && !good_around(work, m.vertex)) work.smooth_within(m.vertex, m.home, away(m));
@@ -271,7 +272,8 @@ class PlaceOpening {
     const Vector3d from = mesh_.position(m.vertex);
     const double floor = std::min(target_, worst_of_star(work, m.vertex)),
                  lack = lack_of_star(work, m.vertex);
-    for (const double part : kPartsOfWayHome) {
+    double part = 1;
+    for (int halving = 0; halving < options_.home_halvings; ++halving, part *= 0.5) {
       if (!work.place(m.vertex, part == 1 ? m.home : Vector3d(from + part * (m.home - from)))) continue;
       if (worst_of_star(work, m.vertex) >= floor && lack_of_star(work, m.vertex) >= lack) return;
       work.place(m.vertex, from);
@@ -445,14 +447,13 @@ class PlaceOpening {
     const Vector3d from = mesh_.position(v);
     StarEnergy sum;
     if (!std::isfinite(sum_of_sines(v, from, &sum))) return false;
-    sum.hessian += kDamping * sum.hessian.trace() * Matrix3d::Identity();
     const Vector3d step = -sum.hessian.ldlt().solve(sum.gradient);
     if (!step.allFinite()) return false;
     double length = 1;
     for (int halving = 0; halving < kMostHalvings; ++halving, length *= 0.5) {
       Vector3d to = from + length * step;
       if (held) to = inside(to, held->home, reach);
-      if (sum_of_sines(v, to, nullptr) < kSoftGain * sum.value && work.place(v, to)) return true;
+      if (kAnyGain * sum_of_sines(v, to, nullptr) < sum.value && work.place(v, to)) return true;
     }
     return false;
   }
@@ -467,12 +468,12 @@ class PlaceOpening {
       if (!((b - a).cross(c - a).dot(x - a) > 0)) return std::numeric_limits<double>::infinity();
       dihedral_sines(a, b, c, x, sines);
       for (std::size_t e = 0; e < 6; ++e) {
-        const double one = std::pow(sines.sine[e] / target_, -kSoftPower);
+        const double one = std::pow(sines.sine[e] / target_, -options_.power);
         sum += one;
         if (!derivatives) continue;
         const Vector3d& g = sines.log_gradient[e];
-        derivatives->gradient -= kSoftPower * one * g;
-        derivatives->hessian += kSoftPower * kSoftPower * one * g * g.transpose();
+        derivatives->gradient -= options_.power * one * g;
+        derivatives->hessian += options_.power * options_.power * one * g * g.transpose();
       }
     }
     if (derivatives) derivatives->value = sum;
@@ -515,7 +516,7 @@ class PlaceOpening {
   const OpeningOptions& options_;
   const RunContext& context_;
   TetComplex& mesh_;
-  double target_ = 0, wanted_ = 0;  // sines; wanted: below it tets are worked on
+  double target_ = 0, usable_ = 0, wanted_ = 0;  // sines; wanted: below it tets are worked on
   Index most_tets_ = 0;
   std::vector<Index> star_;
 };

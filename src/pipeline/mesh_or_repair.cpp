@@ -139,12 +139,12 @@ Status opened_wide(const RepairJob& job, RepairedMesh& r) {
   const Result<double> first = opened(job, r);
   if (!first) return first.error();
   double degrees = first.value();
-  if (before && degrees < kUsableDegrees) {
+  if (before && degrees < OpeningOptions().usable_degrees) {
     const Result<double> others = opened(job, *before);
     if (!others) return others.error();
     if (others.value() > degrees) r = std::move(*before), degrees = others.value();
   }
-  if (degrees >= kUsableDegrees) return success();
+  if (degrees >= OpeningOptions().usable_degrees) return success();
   // Among better tets there may be room.
   Result<TetMesh> better = finish_moved(job, r.surface, r.mesh);
   if (!better) return repairable(better.error()) ? success() : Status(better.error());
@@ -160,7 +160,8 @@ Status opened_wide(const RepairJob& job, RepairedMesh& r) {
 
 // The quality pass gives up some tets for others: not those at moved vertices.
 Result<TetMesh> with_room_at_moved(const RepairJob& job, RepairedMesh finished) {
-  if (least_angle_at_moved(finished.mesh, job.surface.V) >= kUsableDegrees) return std::move(finished.mesh);
+  if (least_angle_at_moved(finished.mesh, job.surface.V) >= OpeningOptions().usable_degrees)
+    return std::move(finished.mesh);
   RepairedMesh better = finished;
   if (const Result<double> done = opened(job, better, OpeningOptions::Moves::inside); !done)
     return done.error();

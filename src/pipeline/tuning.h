@@ -42,9 +42,6 @@ constexpr int kRounds = 8;
 // Degrees that meshes on the way are improved to. Measured: better ones lead no nearer home, and cost a half
 // more.
 constexpr double kAttemptDegrees = 8;
-// Of the least angle at moved vertices: with less than this a mesh is hardly of use, and another one is
-// looked for.
-constexpr double kUsableDegrees = 5;
 // Rounds in turn that gain nothing.
 constexpr int kIdleTooFar = 4;
 // What a round may leave, of the best, to go on from.

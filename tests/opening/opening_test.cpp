@@ -161,7 +161,7 @@ TEST(Opening, NeighboursHelp) {
       test::expect_valid(TetComplex(mesh.V, mesh.T));
       return least_angle_at_moved(mesh, start.home);
     };
-    options.edges = options.further = 1.01e-6;  // no ball is larger than the largest move is already
+    options.edges = 1e-6, options.further = 1;  // no ball is larger than the largest move is already
     const double alone = angle(0), helped = angle(4);
     EXPECT_GE(helped, 0.999 * alone);
   }
@@ -173,7 +173,7 @@ TEST(Opening, PlacesThatAreNotWorthwhileStay) {
   OpeningOptions options;
   options.largest_move = 1;
   options.home_sweeps = 0;
-  options.worthwhile = 1e9;
+  options.worthwhile = 1e30;
   TetMesh mesh = start.mesh;
   ASSERT_TRUE(open_up(mesh, start.home, options, {}).ok());
   EXPECT_EQ(mesh.V, start.mesh.V);
