@@ -66,6 +66,19 @@ struct InputRecord {
   std::optional<int> winding_min, winding_max;  // absent: not looked at
 };
 
+// Dihedral angles at what a repair has moved, in degrees, and what no mesh can have more than: the interior
+// angle of the surface at an edge is shared by the tets there. Extra turns at edges count as in this mesh. No
+// bound is above 70.53, the angle of the regular tet.
+struct MovedAngles {
+  // The least of the tets at moved vertices; angles near 180 count with what is missing to 180.
+  double least = 0;
+  // At moved vertices, wherever they go within the allowed move: where the edge of a touched face has not
+  // moved.
+  double bound = 0;
+  double bound_as_moved = 0;   // at moved vertices, where they are now
+  double bound_elsewhere = 0;  // between faces without moved vertices, wherever these go
+};
+
 // More than 12 members: a plain record of what the JSON shows.
 struct Report {
   std::vector<Figure> options;  // as the run used them
@@ -80,6 +93,7 @@ struct Report {
   std::int64_t added_vertices = 0;      // of the refined surface
   std::vector<Index> face_of_piece;     // and of each face of the refined surface the input's
   std::vector<std::array<Index, 2>> branch_edges;  // of `branched`: vertices of the mesh, a < b, sorted
+  std::optional<MovedAngles> moved_angles;               // of a repaired surface's mesh
   std::vector<StageRecord> stages;
   std::optional<TetQuality> quality;
   double seconds = 0;

@@ -1,8 +1,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <functional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "overtet/io.h"
 #include "overtet/meshing.h"
@@ -78,15 +84,46 @@ std::string what_was_changed(const MeshCommand& c, const Report& r) {
     return " The surface is as it was; around " + counted(r.branch_edges.size(), "interior edge") +
            " the tets make two turns or more (the report lists them; overtet verify --allow-branches).";
   if (r.status != RunStatus::repaired) return {};
-  return " The surface was repaired: " + std::to_string(r.moved_vertices) +
-         (r.moved_vertices == 1 ? " vertex" : " vertices") + " moved, by " +
-         plain(100 * r.max_relative_move, 4) + " % of its diagonal at most.";
+  std::string text = " The surface was repaired: " + std::to_string(r.moved_vertices) +
+                     (r.moved_vertices == 1 ? " vertex" : " vertices") + " moved, by " +
+                     plain(100 * r.max_relative_move, 4) + " % of its diagonal at most";
+  if (const auto& a = r.moved_angles) {
+    text += "; smallest dihedral angle there " + plain(a->least, 2) + " degrees";
+    const double bound = std::min(a->bound, a->bound_as_moved);
+    if (bound < 2 * a->least)
+      text += a->bound < 2 * a->least ? ", where the untouched surface allows " + plain(a->bound, 2)
+                                      : ", where the surface as it is now allows " + plain(bound, 2);
+    if (a->bound_elsewhere < a->least)
+      text += "; the untouched surface elsewhere allows " + plain(a->bound_elsewhere, 2);
+  }
+  return text + ".";
+}
+
+// The stages that took a twentieth or more of the time, the longest first.
+std::string time_by_stage(const Report& r) {
+  std::vector<std::pair<std::string, double>> sums;
+  double rest = r.seconds;
+  for (const StageRecord& s : r.stages) {
+    const auto same =
+        std::find_if(sums.begin(), sums.end(), [&](const auto& x) { return x.first == s.name; });
+    (same == sums.end() ? sums.emplace_back(s.name, 0) : *same).second += s.seconds;
+  }
+  std::stable_sort(sums.begin(), sums.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  std::string text;
+  for (const auto& [name, seconds] : sums) {
+    if (seconds < 0.05 * r.seconds) break;
+    text += name + " " + plain(seconds, 1) + ", ";
+    rest -= seconds;
+  }
+  return " (" + text + "the rest " + plain(std::max(0.0, rest), 1) + ")";
 }
 
 std::string what_was_made(const MeshCommand& c, const Meshing& m, const Report& report) {
   return c.output + ": " + std::to_string(m.mesh.V.rows()) + " vertices, " + std::to_string(m.mesh.T.rows()) +
          " tets, smallest dihedral angle " + plain(m.quality.dihedral_min, 2) + " degrees (" +
-         plain(m.quality.dihedral_p01, 1) + " at 1 %), checked exactly, " + plain(report.seconds, 1) + " s." +
+         plain(m.quality.dihedral_p01, 1) + " at 1 %), checked exactly, " + plain(report.seconds, 1) + " s" +
+         (report.status == RunStatus::repaired ? time_by_stage(report) : std::string()) + "." +
          what_was_changed(c, report);
 }
 
@@ -110,12 +147,27 @@ Surface surface_of(const Surface& input, const Meshing& made) {
   return {made.mesh.V.topRows(input.V.rows()), input.F};
 }
 
+// What the program does itself, as a stage like the others.
+template <class F>
+auto timed(const char* name, StageRecord& record, F&& f) {
+  const auto start = RunContext::Clock::now();
+  const std::clock_t cpu = std::clock();
+  auto result = f();
+  record.name = name;
+  record.seconds = std::chrono::duration<double>(RunContext::Clock::now() - start).count();
+  record.cpu_seconds = static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC;
+  return result;
+}
+
 // Reads, meshes and writes; `dismiss` is called when everything that takes long is over: a file that has its
 // name already is not taken back. What there is to tell is in the report, whatever happens.
 Result<Meshing> make_mesh(const MeshCommand& command, TetFormat format, const RunContext& context,
                           Terminal& terminal, const std::function<void()>& dismiss, Report& report) {
   context.report("read", 0);
-  const Result<InputSurface> loaded = load(command.input, command.clean, context, terminal);
+  StageRecord read, written;
+  const Result<InputSurface> loaded =
+      timed("read", read, [&] { return load(command.input, command.clean, context, terminal); });
+  report.stages = {read};
   if (!loaded) {
     dismiss();
     return loaded.error();
@@ -132,17 +184,22 @@ Result<Meshing> make_mesh(const MeshCommand& command, TetFormat format, const Ru
     return *input.cleanup.problem;
   }
   Result<Meshing> made = tetrahedralize(input.surface(), meshing_options(command), context, &report);
+  report.stages.insert(report.stages.begin(), read);
   tell();
   dismiss();
   if (!made) return input.in_file(made.error());
   if (interrupt_flag()) return Error{ErrorCode::interrupted, "Interrupted; nothing was written."};
   context.report("write", 0);
-  if (!command.save_surface.empty())
-    if (Status s = write_surface(command.save_surface, surface_of(surface.value(), made.value()),
-                                 surface_format_of(command.save_surface).value(), context);
-        !s)
-      return s.error();
-  if (Status s = write_tets(command.output, made.value().mesh, format, context); !s) return s.error();
+  const auto write = [&]() -> Status {
+    if (!command.save_surface.empty())
+      if (Status s = write_surface(command.save_surface, surface_of(input.surface(), made.value()),
+                                   surface_format_of(command.save_surface).value(), context);
+          !s)
+        return s;
+    return write_tets(command.output, made.value().mesh, format, context);
+  };
+  if (Status s = timed("write", written, write); !s) return s.error();
+  report.stages.push_back(written);
   return made;
 }
 

@@ -58,12 +58,17 @@ Places places_around(const TetMesh& mesh, std::vector<char> near, int layers) {
 Status OpeningOptions::validate() const {
   if (!(target_degrees > 0 && target_degrees < 60))
     return Error{ErrorCode::usage, "target_degrees must be above 0 and below 60."};
+  if (!(usable_degrees > 0 && usable_degrees <= target_degrees))
+    return Error{ErrorCode::usage, "usable_degrees must be above 0 and not above target_degrees."};
+  if (!(most_tets >= 1 && power > 0) || home_halvings < 1)
+    return Error{ErrorCode::usage, "most_tets and home_halvings must be at least 1, and power positive."};
   if (!(largest_move > 0)) return Error{ErrorCode::usage, "largest_move must be positive."};
   if (!(edges > 0 && further > 0)) return Error{ErrorCode::usage, "edges and further must be positive."};
   if (!(growth > 1)) return Error{ErrorCode::usage, "growth must be above 1."};
-  if (layers < 1 || idle_rounds < 1 || energy_sweeps < 0 || worst_sweeps < 0)
+  if (layers < 1 || idle_rounds < 1 || energy_sweeps < 0 || worst_sweeps < 0 || home_sweeps < 0 ||
+      most_helps < 0)
     return Error{ErrorCode::usage,
-                 "layers and idle_rounds must be at least 1, and numbers of sweeps not negative."};
+                 "layers and idle_rounds must be at least 1, and numbers of sweeps and helps not negative."};
   if (!(worthwhile >= 1 && gain >= 1))
     return Error{ErrorCode::usage, "worthwhile and gain must be at least 1."};
   return success();

@@ -3,8 +3,9 @@
 
 namespace overtet {
 
-// Vertices are inserted and removed only where the least quality is more than this part of what is wanted:
-// before that it is larger balls that help, for a tenth of the time.
-constexpr double kNearTarget = 0.3;
+// What is left of the largest move, at first, when moves are cut back.
+constexpr double kFirstCut = 0.6;
+// Of what is wanted: tets worse than that leave no room for others to get worse.
+constexpr double kRoomAbove = 1.5;
 
 }  // namespace overtet

@@ -55,7 +55,7 @@ Result<Inspection> inspect(const Surface& surface, InspectionDepth depth, const 
                     surface.F.maxCoeff() < n;
   const std::optional<Error> shape = sane ? wrong_shape(surface, r.box) : std::nullopt;
   DiagnoseOptions options;
-  options.full_winding_range = depth == InspectionDepth::everything;
+  options.full_winding_range = depth != InspectionDepth::verdict;
   Result<Diagnosis> d = diagnose(surface, options, context);
   if (!d) return d.error();
   r.diagnosis = std::move(d).value();

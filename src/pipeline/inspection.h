@@ -29,6 +29,7 @@ struct Inspection {
 
 enum class InspectionDepth {
   verdict,    // until it is known whether a run may begin
+  repair,     // the whole winding range as well: all that forbids a mesh
   everything  // the whole winding range even when a certificate has been found, and look_for_conflict
 };
 

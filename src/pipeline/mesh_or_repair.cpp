@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -39,7 +40,9 @@ Error beyond_refining(Error e) {
 Result<std::optional<TetMesh>> mesh_as_it_is(const Surface& surface, const MeshingOptions& options,
                                              const RunContext& context, Report& report,
                                              FirstFailure& failure) {
-  SurfaceRun run(surface, {}, options, context, report.stages);
+  SurfaceRunSetup setup;
+  if (options.on_infeasible == OnInfeasible::repair) setup.depth = InspectionDepth::repair;
+  SurfaceRun run(surface, setup, options, context, report.stages);
   report.input = run.input_record();  // also for who gives up during the diagnosis
   const Status usable = run.diagnose();
   report.input = run.input_record();
@@ -133,6 +136,32 @@ class RefinedParts {
   RefinedSurface out_;
 };
 
+// The records of parts that needed no repair: what counts is how long they took altogether.
+class OtherParts {
+ public:
+  void add(const std::vector<StageRecord>& stages) {
+    ++parts_;
+    for (const StageRecord& stage : stages) {
+      auto sum = std::find_if(sums_.begin(), sums_.end(),
+                              [&](const StageRecord& s) { return s.name == stage.name; });
+      if (sum == sums_.end()) sum = sums_.insert(sums_.end(), StageRecord{stage.name, 0, 0, 0, {}});
+      sum->seconds += stage.seconds;
+      sum->cpu_seconds += stage.cpu_seconds;
+      sum->iterations += stage.iterations;
+    }
+  }
+  void append_to(std::vector<StageRecord>& records) {
+    for (StageRecord& sum : sums_) {
+      sum.figures.emplace_back("parts", parts_);
+      records.push_back(std::move(sum));
+    }
+  }
+
+ private:
+  std::vector<StageRecord> sums_;
+  std::int64_t parts_ = 0;
+};
+
 // Each part by itself, repaired or refined where it has no mesh. Nothing is said of how they lie to each
 // other, so none is changed because of another one. Errors: of the first part that could not be helped.
 Result<MeshedSurface> repair_by_parts(const Surface& surface, const std::vector<SubSurface>& parts,
@@ -146,13 +175,18 @@ Result<MeshedSurface> repair_by_parts(const Surface& surface, const std::vector<
   std::vector<PartMesh> meshes;
   MovesOfParts moves;
   RefinedParts refined(surface);
+  OtherParts others;
   for (const SubSurface& part : parts) {
     const double size = diagonal_of(part.surface) / diagonal;
     own.max_repair_move = std::min(1.0, options.max_repair_move / size);
     Report report;
     Result<MeshedSurface> r = mesh_or_repair(part.surface, own, context, report);
     const bool as_it_is = r && !r.value().moves && !r.value().refined && r.value().branch_edges.empty();
-    if (!as_it_is) std::move(report.stages.begin(), report.stages.end(), std::back_inserter(records));
+    if (as_it_is)
+      others.add(report.stages);
+    else
+      std::move(report.stages.begin(), report.stages.end(), std::back_inserter(records));
+    if (!r) others.append_to(records);
     if (!r) return r;
     if (r.value().moves) moves.add(part, *r.value().moves, size);
     TetMesh& mesh = r.value().mesh;
@@ -160,6 +194,7 @@ Result<MeshedSurface> repair_by_parts(const Surface& surface, const std::vector<
       repaired.V.row(part.vertices[v]) = mesh.V.row(static_cast<Eigen::Index>(v));
     meshes.push_back({refined.add(part, r.value().refined), std::move(mesh)});
   }
+  others.append_to(records);
   MeshedSurface out;
   if (RefinedSurface all = refined.all(); !all.subdivided.empty())
     repaired = out.refined.emplace(std::move(all)).surface;
@@ -177,20 +212,63 @@ Result<MeshedSurface> repair_by_parts(const Surface& surface, const std::vector<
   return out;
 }
 
+// Moved vertices with as much room as can be found. Which surface it ends with does not depend on the quality
+// pass that the run is to make.
+Status opened_wide(const RepairJob& job, RepairedMesh& r) {
+  // What was pulled has moved less; where it has no room, what it was pulled from may have.
+  const std::shared_ptr<RepairedMesh> before = std::move(r.before_pull);
+  const Result<double> first = opened(job, r);
+  if (!first) return first.error();
+  double degrees = first.value();
+  if (before && degrees < OpeningOptions().usable_degrees) {
+    const Result<double> others = opened(job, *before);
+    if (!others) return others.error();
+    if (others.value() > degrees) r = std::move(*before), degrees = others.value();
+  }
+  if (degrees >= OpeningOptions().usable_degrees) return success();
+  // Among better tets there may be room.
+  Result<TetMesh> better = finish_moved(job, r.surface, r.mesh);
+  if (!better) return repairable(better.error()) ? success() : Status(better.error());
+  RepairedMesh again = measured(job, std::move(better).value());
+  const Result<double> second = opened(job, again);
+  if (!second) return second.error();
+  if (second.value() > degrees) {
+    r = std::move(again);
+    r.state = RepairedMesh::State::pulled;
+  }
+  return success();
+}
+
+// The quality pass gives up some tets for others: not those at moved vertices.
+Result<TetMesh> with_room_at_moved(const RepairJob& job, RepairedMesh finished) {
+  if (least_angle_at_moved(finished.mesh, job.surface.V) >= OpeningOptions().usable_degrees)
+    return std::move(finished.mesh);
+  RepairedMesh better = finished;
+  if (const Result<double> done = opened(job, better, OpeningOptions::Moves::inside); !done)
+    return done.error();
+  if (better.state == RepairedMesh::State::finished) return std::move(finished.mesh);
+  Result<TetMesh> checked =
+      finish_given({better.surface, 0, job.context, job.records}, std::move(better.mesh));
+  if (!checked && repairable(checked.error())) return std::move(finished.mesh);
+  return checked;
+}
+
 Result<MeshedSurface> repair_whole(const Surface& surface, const MeshingOptions& options,
                                    const RunContext& context, std::vector<StageRecord>& records,
                                    const FirstFailure& first) {
-  const RepairJob job{surface, options, context, records, diagonal_of(surface)};
+  const RepairJob job{surface, first.diagnosis, options, context, records, diagonal_of(surface)};
   Result<RepairedMesh> repaired = mesh_repaired(job, first.error, first.unglued);
   if (!repaired) return repaired.error();
   RepairedMesh& r = repaired.value();
-  if (Status s = opened(job, r); !s) return s.error();
+  if (Status s = opened_wide(job, r); !s) return s.error();
   const bool good_already =
       r.state == RepairedMesh::State::finished && options.improve_degrees <= kAttemptDegrees;
   Result<TetMesh> mesh = finish_given(
       {r.surface, good_already ? 0 : options.improve_degrees, context, records}, std::move(r.mesh));
   if (!mesh) return mesh.error();
-  return MeshedSurface{std::move(mesh).value(), std::move(r.moves), {}, {}};
+  Result<TetMesh> settled = with_room_at_moved(job, measured(job, std::move(mesh).value()));
+  if (!settled) return settled.error();
+  return MeshedSurface{std::move(settled).value(), std::move(r.moves), {}, {}};
 }
 
 Result<MeshedSurface> refine_whole(const Surface& surface, const MeshingOptions& options,

@@ -6,7 +6,10 @@
 #include <utility>
 
 #include "kernels/parallel/parallel.h"
+#include "src/opening/angle_bounds.h"
+#include "src/opening/opening.h"
 #include "src/pipeline/mesh_or_repair.h"
+#include "src/pipeline/stage_clock.h"
 #include "src/run/run_monitor.h"
 
 namespace overtet {
@@ -17,14 +20,28 @@ double seconds_since(RunContext::Clock::time_point start) {
   return std::chrono::duration<double>(RunContext::Clock::now() - start).count();
 }
 
-void hand_over(MeshedSurface meshed, PipelineResult& result) {
+MovedAngles angles_at_moved(const Surface& surface, const MeshingOptions& options, const TetMesh& mesh) {
+  const double diagonal = (surface.V.colwise().maxCoeff() - surface.V.colwise().minCoeff()).norm();
+  const AngleBounds bounds = angle_bounds(mesh, surface.F, surface.V, options.max_repair_move * diagonal);
+  return {least_angle_at_moved(mesh, surface.V), bounds.at_moved, bounds.as_moved, bounds.elsewhere};
+}
+
+void hand_over(const Surface& surface, const MeshingOptions& options, const RunContext& context,
+               MeshedSurface meshed, PipelineResult& result) {
   Report& report = result.report;
   report.status = meshed.moves                   ? RunStatus::repaired
                   : meshed.refined               ? RunStatus::refined
                   : !meshed.branch_edges.empty() ? RunStatus::branched
                                                  : RunStatus::exact;
-  parallel_invoke([&] { report.quality = tet_quality(meshed.mesh); },
-                  [&] { report.result_hash = hash_of(meshed.mesh); });
+  (void)timed_stage("measure", report.stages, context, [&](StageRecord&) -> Status {
+    parallel_invoke(
+        [&] {
+          report.quality = tet_quality(meshed.mesh);
+          if (meshed.moves) report.moved_angles = angles_at_moved(surface, options, meshed.mesh);
+        },
+        [&] { report.result_hash = hash_of(meshed.mesh); });
+    return success();
+  });
   result.mesh = std::move(meshed.mesh);
   report.branch_edges = std::move(meshed.branch_edges);
   if (meshed.refined) {
@@ -78,7 +95,7 @@ PipelineResult run_pipeline(const Surface& surface, const MeshingOptions& option
     const ScopedThreads threads(outer.threads);
     Result<MeshedSurface> meshed = mesh_or_repair(surface, options, watch.context(), result.report);
     if (meshed)
-      hand_over(std::move(meshed).value(), result);
+      hand_over(surface, options, watch.context(), std::move(meshed).value(), result);
     else
       fail(watch.explained(meshed.error()), result);
   } catch (const std::bad_alloc&) {

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "src/cdt/tuning.h"
-#include "src/opening/opening.h"
 #include "src/pipeline/finishing.h"
 #include "src/pipeline/stage_clock.h"
 #include "src/pipeline/surface_run.h"
@@ -67,8 +66,9 @@ bool repairable(const Error& e) {
   return e.code == ErrorCode::infeasible || e.code == ErrorCode::unsolved || e.code == ErrorCode::bad_input;
 }
 
-MeshAttempt mesh_moved(const RepairJob& job, const Surface& moved, Need need) {
-  const MeshingOptions options = options_of_attempts(job);
+MeshAttempt mesh_moved(const RepairJob& job, const Surface& moved, Need need, Tets tets) {
+  MeshingOptions options = options_of_attempts(job);
+  if (tets == Tets::as_made) options.improve_degrees = 0;
   SurfaceRun run(moved, {SurfaceRunSetup::Origin::repaired, need == Need::luxury ? kShortPatience : 1.0},
                  options, job.context, job.records);
   Result<TetMesh> mesh = run.go();
@@ -80,11 +80,13 @@ Result<TetMesh> finish_moved(const RepairJob& job, const Surface& moved, TetMesh
                       std::move(mesh));
 }
 
-Status opened(const RepairJob& job, RepairedMesh& repaired) {
+Result<double> opened(const RepairJob& job, RepairedMesh& repaired, OpeningOptions::Moves moves) {
   OpeningOptions options;
+  options.moves = moves;
   options.largest_move = job.allowed() * job.diagonal;
   TetMesh mesh = repaired.mesh;
   bool any = false;
+  double degrees = 0;
   const Status done = timed_stage("opening", job.records, job.context, [&](StageRecord& record) -> Status {
     Result<OpeningResult> r = open_up(mesh, job.surface.V, options, job.context);
     if (!r) return r.error();
@@ -97,6 +99,7 @@ Status opened(const RepairJob& job, RepairedMesh& repaired) {
       farthest = std::max(farthest, place.farthest);
     }
     any = opened > 0;
+    degrees = x.degrees_after;
     record.figures = {{"places", static_cast<std::int64_t>(x.places.size())},
                       {"opened", opened},
                       {"degrees_before", x.degrees_before},
@@ -105,11 +108,11 @@ Status opened(const RepairJob& job, RepairedMesh& repaired) {
                       {"tets", std::int64_t{mesh.T.rows()}}};
     return success();
   });
-  if (!done) return done;
-  if (!any) return success();
+  if (!done) return done.error();
+  if (!any) return degrees;
   repaired = measured(job, std::move(mesh));
   repaired.state = RepairedMesh::State::pulled;
-  return success();
+  return degrees;
 }
 
 Result<std::optional<RepairedMesh>> pulled(const RepairJob& job, const RepairedMesh& from, const Pull& pull) {

@@ -4,18 +4,22 @@
 
 #include <Eigen/Core>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "overtet/report.h"
 #include "overtet/run_context.h"
 #include "overtet/types.h"
+#include "src/certificates/diagnose.h"
+#include "src/opening/opening.h"
 #include "src/pipeline/pipeline.h"
 
 namespace overtet {
 
 struct RepairJob {
   const Surface& surface;         // as it was read
+  const Diagnosis& diagnosis;     // of it, with the whole winding range
   const MeshingOptions& options;  // of the run
   const RunContext& context;
   std::vector<StageRecord>& records;
@@ -33,6 +37,7 @@ struct Moves {
 struct RepairedMesh {
   enum class State {
     finished,       // improved and checked
+    as_made,        // checked, not improved
     pulled,         // its vertices moved since then: to be improved and checked again
     brought_nearer  // the same, but what was too far away was brought nearer at most, and not pulled home
   };
@@ -41,6 +46,8 @@ struct RepairedMesh {
   State state = State::finished;
   Moves moves;
   double work = 0;  // of the last pull; VolumeMapResult::work
+  // What it was pulled from, where that is near enough as well.
+  std::shared_ptr<RepairedMesh> before_pull;
 };
 
 RepairedMesh measured(const RepairJob& job, TetMesh mesh);
@@ -63,13 +70,17 @@ struct MeshAttempt {
   Result<TetMesh> mesh;                    // in the input's space, improved and checked
   std::optional<Eigen::Vector3d> unglued;  // where the sheets could not be glued
 };
-MeshAttempt mesh_moved(const RepairJob& job, const Surface& moved, Need need);
+// Whether the quality pass is made of it: what is pulled wants good tets, what is opened can do without.
+enum class Tets { improved, as_made };
+MeshAttempt mesh_moved(const RepairJob& job, const Surface& moved, Need need, Tets tets = Tets::improved);
 // A mesh of the moved surface that there is already, improved and checked.
 Result<TetMesh> finish_moved(const RepairJob& job, const Surface& moved, TetMesh mesh);
 
-// Moved vertices moved further, no further than is allowed, where the tets at them are bad (src/opening).
+// Moved vertices moved further, no further than is allowed, where the tets at them are bad, and nearer to
+// their places where that leaves them good (src/opening). Returns the least angle at them, in degrees.
 // Errors: limit, interrupted.
-Status opened(const RepairJob& job, RepairedMesh& repaired);
+Result<double> opened(const RepairJob& job, RepairedMesh& repaired,
+                      OpeningOptions::Moves moves = OpeningOptions::Moves::surface);
 
 // The boundary of a mesh pulled to the input, every tet positive all the way (src/volume_map).
 struct Pull {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -30,31 +31,31 @@ struct WayOut {
     far       // as far as it takes: the way back is still to come
   };
   enum class Shrink {
-    little,  // the way back does the rest
-    none,    // it leads the way back astray
-    full     // as long as nothing objects: another place to start the way back from
+    none,  // what is near enough goes home in its mesh; what is not, it leads astray on the way back
+    full   // as long as nothing objects: another place to start the way back from
   };
   Means means = Means::smoothing;
   Reach reach = Reach::allowed;
-  Shrink shrink = Shrink::full;
+  Shrink shrink = Shrink::none;
   bool gently = false;           // RepairOptions::only_gently
   bool only_if_far_did = false;  // finds a surface only where the way that goes far without shrinking does
 };
 
 // The way of the flow ends at a mesh, whatever the input is, as long as it does not face inwards.
 const std::array ways_out = {
-    WayOut{.shrink = WayOut::Shrink::little, .gently = true},
-    WayOut{.reach = WayOut::Reach::far, .shrink = WayOut::Shrink::none},
+    WayOut{.gently = true},
     WayOut{},
-    WayOut{.reach = WayOut::Reach::far, .only_if_far_did = true},
+    WayOut{.reach = WayOut::Reach::far},
+    WayOut{.reach = WayOut::Reach::far, .shrink = WayOut::Shrink::full, .only_if_far_did = true},
     WayOut{.means = WayOut::Means::flow, .reach = WayOut::Reach::far},
 };
 
-RepairOptions options_of(const WayOut& way, double allowed) {
+RepairOptions options_of(const RepairJob& job, const WayOut& way) {
+  const double allowed = job.allowed();
   RepairOptions options;
   options.max_relative_move = way.reach == WayOut::Reach::far ? std::max(kFar, allowed) : allowed;
   options.only_gently = way.gently;
-  if (way.shrink == WayOut::Shrink::little) options.shrink_work = kShrinkWork;
+  options.diagnosis = &job.diagnosis;
   if (way.shrink == WayOut::Shrink::none) options.max_shrink_rounds = 0;
   return options;
 }
@@ -116,10 +117,13 @@ class Repairing {
 
   // No repair moves less than that.
   double least_relative_move() const {
-    const Result<Diagnosis> d = diagnose(job_.surface, {}, job_.context);
-    if (!d) return 0;
-    const std::optional<LeastMove> least = least_move(job_.surface, d.value(), job_.context);
-    return least ? least->distance / job_.diagonal : 0;
+    double distance = 0;
+    (void)timed_stage("least_move", job_.records, job_.context, [&](StageRecord&) -> Status {
+      if (const auto least = least_move(job_.surface, job_.diagnosis, job_.context))
+        distance = least->distance;
+      return success();
+    });
+    return distance / job_.diagonal;
   }
 
   // Out, and back as far as that makes things better. None: no surface with a mesh was found.
@@ -133,8 +137,12 @@ class Repairing {
     if (way.reach == WayOut::Reach::far) pull = {Pull::Pace::slow, job_.allowed(), Pull::Aim::home};
     Result<std::optional<RepairedMesh>> back = pulled(job_, best, pull);
     if (!back) return back;
-    if (back.value() && (best.moves.max_relative > job_.allowed() || better(back.value()->moves, best.moves)))
+    if (back.value() &&
+        (best.moves.max_relative > job_.allowed() || better(back.value()->moves, best.moves))) {
+      auto before = std::make_shared<RepairedMesh>(std::move(best));
       best = std::move(*back.value());
+      if (before->moves.max_relative <= job_.allowed()) best.before_pull = std::move(before);
+    }
     return std::optional(std::move(best));
   }
 
@@ -185,8 +193,9 @@ class Repairing {
   }
 
   Result<std::optional<RepairedMesh>> move_away(const WayOut& way) {
-    RepairOptions options = options_of(way, job_.allowed());
+    RepairOptions options = options_of(job_, way);
     options.place = unglued_;
+    const Tets tets = way.reach == WayOut::Reach::far ? Tets::improved : Tets::as_made;
     for (int round = 0; round < kRounds; ++round) {
       Result<RepairResult> fixed = smoothed(options);
       if (!fixed) {
@@ -197,11 +206,13 @@ class Repairing {
         return std::optional<RepairedMesh>();
       }
       if (fixed.value().moved.empty()) return std::optional<RepairedMesh>();
-      if (way.shrink == WayOut::Shrink::none) found_surface_ = true;
+      if (way.reach == WayOut::Reach::far) found_surface_ = true;
       options.earlier = fixed.value().memory;
-      MeshAttempt attempt = mesh_moved(job_, fixed.value().surface, found_mesh_ ? Need::luxury : Need::first);
+      MeshAttempt attempt =
+          mesh_moved(job_, fixed.value().surface, found_mesh_ ? Need::luxury : Need::first, tets);
       options.place = attempt.unglued;
       Result<std::optional<RepairedMesh>> mesh = found(std::move(attempt));
+      if (mesh && mesh.value() && tets == Tets::as_made) mesh.value()->state = RepairedMesh::State::as_made;
       if (!mesh || mesh.value()) return mesh;
     }
     return std::optional<RepairedMesh>();

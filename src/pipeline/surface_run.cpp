@@ -53,7 +53,7 @@ SurfaceRun::SurfaceRun(const Surface& input, const SurfaceRunSetup& setup, const
 
 Status SurfaceRun::diagnose() {
   return timed_stage("diagnose", records_, context_, [&](StageRecord& record) -> Status {
-    Result<Inspection> looked = inspect(input_, InspectionDepth::verdict, context_);
+    Result<Inspection> looked = inspect(input_, setup_.depth, context_);
     if (!looked) return looked.error();
     found_ = std::move(looked).value();
     const Diagnosis& d = found_.diagnosis;

@@ -26,6 +26,7 @@ struct SurfaceRunSetup {
   };
   Origin origin = Origin::read;
   double patience = 1;  // with TetGen; src/cdt/tetgen.h
+  InspectionDepth depth = InspectionDepth::verdict;
 };
 
 // Nothing is written anywhere but the stages' records: what was found is asked for.
@@ -48,6 +49,7 @@ class SurfaceRun {
   const Diagnosis& diagnosis() const { return found_.diagnosis; }
   // Where the sheets could not be glued, in the input's space.
   const std::optional<Eigen::Vector3d>& unglued() const { return unglued_; }
+  const Diagnosis& diagnosis() const { return found_.diagnosis; }
   std::vector<SubSurface> parts() const { return parts_of(input_, found_.diagnosis); }
 
  private:

@@ -37,8 +37,6 @@ constexpr double kNudges[] = {1e-3, 1e-4, 1e-6}, kNudgeOfEdge = 0.25;
 
 // A move as far as it takes; the way back is still to come.
 constexpr double kFar = 0.6;
-// Work of gentle repairs: the way back does the rest.
-constexpr double kShrinkWork = 1e4;
 // Repairs that follow each other where the next stage finds more to repair, and rounds of moving less.
 constexpr int kRounds = 8;
 // Degrees that meshes on the way are improved to. Measured: better ones lead no nearer home, and cost a half

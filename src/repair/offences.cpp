@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "kernels/core/tuning.h"
 #include "src/exact/winding.h"
@@ -48,21 +49,15 @@ Offence flooded(const Surface& now, const Diagnosis& diagnosis, const VertexRing
 
 }  // namespace
 
-Result<Findings> find_offences(const Surface& surface, const VertexRings& rings, double diagonal,
-                               PokingOut poking_out, const RunContext& context) {
-  if (auto stop = context.stop()) return *stop;
+Result<Findings> offences_of(const Surface& surface, Diagnosis known, const VertexRings& rings,
+                             double diagonal, PokingOut poking_out) {
   Findings found;
   std::vector<Offence>& offences = found.offences;
   const auto corners = [&](Index f) { return Offence{surface.F(f, 0), surface.F(f, 1), surface.F(f, 2)}; };
   const Eigen::RowVector3d centre = (surface.V.colwise().minCoeff() + surface.V.colwise().maxCoeff()) / 2;
   for (const Index f : flat_faces(surface, kRoundedLength, centre.cwiseAbs().maxCoeff()))
     offences.push_back(corners(f));
-  DiagnoseOptions options;
-  RunContext silent = context;
-  silent.progress = nullptr;
-  Result<Diagnosis> d = diagnose(surface, options, silent);
-  if (!d) return d.error();
-  found.diagnosis = std::move(d).value();
+  found.diagnosis = std::move(known);
   const Diagnosis& diagnosis = found.diagnosis;
   if (!diagnosis.topology.ok()) return Error{ErrorCode::bad_input, diagnosis.message};
   for (const Index f : diagnosis.degenerate_faces) offences.push_back(corners(f));
@@ -104,6 +99,16 @@ Result<Findings> find_offences(const Surface& surface, const VertexRings& rings,
     o.erase(std::unique(o.begin(), o.end()), o.end());
   }
   return found;
+}
+
+Result<Findings> find_offences(const Surface& surface, const VertexRings& rings, double diagonal,
+                               PokingOut poking_out, const RunContext& context) {
+  if (auto stop = context.stop()) return *stop;
+  RunContext silent = context;
+  silent.progress = nullptr;
+  Result<Diagnosis> d = diagnose(surface, {}, silent);
+  if (!d) return d.error();
+  return offences_of(surface, std::move(d).value(), rings, diagonal, poking_out);
 }
 
 bool sorted_share(const std::vector<Index>& a, const std::vector<Index>& b) {

@@ -26,6 +26,11 @@ enum class PokingOut {
   all     // all vertices around them in front of which the winding number is negative, too
 };
 
+// What the diagnosis of a surface objects to. diagnosis: complete, with the whole winding range, or ended
+// where a face has no area. Errors: bad_input.
+Result<Findings> offences_of(const Surface& surface, Diagnosis diagnosis, const VertexRings& rings,
+                             double diagonal, PokingOut poking_out);
+
 // The diagnosis of a surface, and what it objects to: faces without area, pairs of faces at which the winding
 // number is negative, vertices. diagonal: of the surface's box, roughly.
 // Errors: bad_input (not closed, oriented, manifold), limit, interrupted.

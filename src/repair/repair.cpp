@@ -71,7 +71,9 @@ double Repair::gentle_move() const {
 }
 
 Status Repair::look(PokingOut poking_out) {
-  Result<Findings> found = find_offences(now_, rings_, diagonal_, poking_out, context_);
+  const bool known = options_.diagnosis && options_.diagnosis->complete() && now_.V == input_.V;
+  Result<Findings> found = known ? offences_of(now_, *options_.diagnosis, rings_, diagonal_, poking_out)
+                                 : find_offences(now_, rings_, diagonal_, poking_out, context_);
   if (!found) return found.error();
   found_ = std::move(found).value();
   return success();

@@ -39,6 +39,8 @@ struct RepairOptions {
   double turn_work = 1e5;      // pairs of faces (plus a hundredth of the faces) looked at for turning parts
   int max_shrink_rounds = 60;  // diagnoses spent on moving less
   double shrink_work = 5e4;    // and pairs of faces (plus a hundredth of the faces) looked at for that
+  // Of the surface, where it is known: complete, with the whole winding range.
+  const Diagnosis* diagnosis = nullptr;
   // To go on from an earlier repair of the same surface, of which no mesh was found although nothing forbids
   // one: `place` names where, and what moves there (hinges next to it, if nothing does) goes further up the
   // ladder of smoothings; without a place everything does.

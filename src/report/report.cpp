@@ -101,6 +101,11 @@ std::string to_json(const Report& r) {
   if (r.status == RunStatus::refined)
     j["refined"] = {{"subdivided", r.subdivided_faces}, {"faces", r.face_of_piece}};
   if (r.status == RunStatus::branched) j["branch_edges"] = r.branch_edges;
+  if (const auto& a = r.moved_angles)
+    j["moved"]["angles"] = {{"least", a->least},
+                            {"bound", a->bound},
+                            {"bound_as_moved", a->bound_as_moved},
+                            {"bound_elsewhere", a->bound_elsewhere}};
   j["stages"] = Json::array();
   for (const StageRecord& s : r.stages) {
     Json stage = {{"name", s.name},

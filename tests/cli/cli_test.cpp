@@ -102,7 +102,8 @@ TEST_F(Cli, MeshesACleanSurface) {
     stages.push_back(s["name"]);
     EXPECT_TRUE(s["seconds"].is_number() && s["cpu_seconds"].is_number() && s["iterations"].is_number());
   }
-  EXPECT_EQ(stages, (std::vector<std::string>{"diagnose", "tet_mesh", "improve", "verify"}));
+  EXPECT_EQ(stages, (std::vector<std::string>{"read", "diagnose", "tet_mesh", "improve", "verify", "measure",
+                                              "write"}));
 
   EXPECT_EQ(run("verify " + in + " " + folder_.file("o.mesh")).exit_code, 0);
   const ShellResult other =
@@ -244,6 +245,10 @@ TEST_F(Cli, RepairMakesAMeshOrASurface) {
   EXPECT_EQ(j["moved"]["ids"].size(), j["moved"]["vertices"].get<std::size_t>());
   EXPECT_GT(j["moved"]["mean_relative"], 0.0);
   EXPECT_LE(j["moved"]["mean_relative"], j["moved"]["max_relative"]);
+  EXPECT_LE(j["moved"]["angles"]["least"], j["moved"]["angles"]["bound_as_moved"].get<double>() + 1e-9);
+  const std::string message = j["message"];
+  for (const char* part : {" s (", "the rest ", "smallest dihedral angle there "})
+    EXPECT_NE(message.find(part), std::string::npos) << message;
   r = run("repair " + in + " -o " + surface + " --surface-only");
   ASSERT_EQ(r.exit_code, 0) << r.err;
   EXPECT_EQ(run("verify " + surface + " " + mesh).exit_code, 0);

@@ -80,6 +80,7 @@ TEST(Opening, MovedVerticesGetRoomAndNothingElseChanges) {
     EXPECT_LT(before, 0.5);
     OpeningOptions options;
     options.largest_move = 1;
+    options.most_helps = 0;
     TetMesh mesh = start.mesh;
     const auto r = open_up(mesh, start.home, options, {});
     ASSERT_TRUE(r.ok());
@@ -116,6 +117,67 @@ TEST(Opening, NoVertexGoesFurtherThanIsAllowed) {
     for (const OpenedPlace& place : r.value().places) reported = std::max(reported, place.farthest);
     EXPECT_DOUBLE_EQ(reported, there);
   }
+}
+
+// What the repair had moved in vain stayed away.
+TEST(Opening, WhatNeedNotBeAwayGoesHome) {
+  const TetMesh good = filled_torus();
+  const VertexMatrix home = good.V.topRows(good.surface_vertices);
+  TetMesh mesh = good;
+  std::mt19937 random(7);
+  TetComplex c(mesh.V, mesh.T);
+  LocalOperations work(c);
+  int away = 0;
+  for (Index v = 0; v < good.surface_vertices; v += 5) {
+    Eigen::Vector3d to = c.position(v);
+    for (int k = 0; k < 3; ++k) to[k] += 0.1 * (static_cast<double>(random() % 1000) / 1000 - 0.5);
+    away += work.place(v, to) ? 1 : 0;
+  }
+  ASSERT_GT(away, 10);
+  for (Index v = 0; v < mesh.V.rows(); ++v) mesh.V.row(v) = c.position(v).transpose();
+  OpeningOptions options;
+  options.largest_move = 1;
+  const auto r = open_up(mesh, home, options, {});
+  ASSERT_TRUE(r.ok());
+  EXPECT_EQ(mesh.V.topRows(mesh.surface_vertices), home);
+  Index left = 0;
+  for (const OpenedPlace& place : r.value().places) left += place.away;
+  EXPECT_EQ(left, 0);
+  EXPECT_EQ(least_angle_at_moved(mesh, home), 90);
+  test::expect_valid(TetComplex(mesh.V, mesh.T));
+}
+
+// Where the balls end at once, moved vertices alone find no room.
+TEST(Opening, NeighboursHelp) {
+  for (const unsigned seed : {11u, 12u, 13u}) {
+    SCOPED_TRACE(seed);
+    const Pressed start = pressed(seed, 6);
+    OpeningOptions options;
+    options.largest_move = 1;
+    const auto angle = [&](int helps) {
+      options.most_helps = helps;
+      TetMesh mesh = start.mesh;
+      EXPECT_TRUE(open_up(mesh, start.home, options, {}).ok());
+      test::expect_valid(TetComplex(mesh.V, mesh.T));
+      return least_angle_at_moved(mesh, start.home);
+    };
+    options.edges = 1e-6, options.further = 1;  // no ball is larger than the largest move is already
+    const double alone = angle(0), helped = angle(4);
+    EXPECT_GE(helped, 0.999 * alone);
+  }
+}
+
+// A place that was not worth it was changed where another one was.
+TEST(Opening, PlacesThatAreNotWorthwhileStay) {
+  const Pressed start = pressed(3, 6);
+  OpeningOptions options;
+  options.largest_move = 1;
+  options.home_sweeps = 0;
+  options.worthwhile = 1e30;
+  TetMesh mesh = start.mesh;
+  ASSERT_TRUE(open_up(mesh, start.home, options, {}).ok());
+  EXPECT_EQ(mesh.V, start.mesh.V);
+  EXPECT_EQ(mesh.T, start.mesh.T);
 }
 
 TEST(Opening, WhatIsAtHomeStays) {

@@ -57,6 +57,25 @@ class Scripts(unittest.TestCase):
                                  capture_output=True, text=True, timeout=100, check=False)
             self.assertEqual(run.returncode, 0, run.stderr)
 
+    def test_surfaces_with_many_hinges_are_repaired(self):
+        for kind, faces, least in (("csg", 600, 20), ("scan", 1500, 2)):
+            model, mesh = os.path.join(self.folder.name, kind + ".off"), os.path.join(self.folder.name, "hinges.mesh")
+            made = script(os.path.join(SOURCE, "perf/suite/make_hinges"), model, kind, str(faces))
+            self.assertEqual(made.returncode, 0, made.stderr)
+            report = mesh + ".json"
+            run = subprocess.run([PROGRAM, "mesh", model, "-o", mesh, "--report", report, "--on-infeasible", "repair"],
+                                 capture_output=True, text=True, timeout=300, check=False)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            with open(report, encoding="utf-8") as file:
+                data = json.load(file)
+            self.assertGreaterEqual(data["input"]["hinges"], least)
+            self.assertEqual(data["status"], "repaired")
+            angles = data["moved"]["angles"]
+            self.assertLessEqual(angles["least"], angles["bound_as_moved"] + 1e-9)
+            verified = subprocess.run([PROGRAM, "verify", model, mesh, "--max-move", "6"], capture_output=True, text=True,
+                                      timeout=100, check=False)
+            self.assertEqual(verified.returncode, 0, verified.stdout)
+
     def test_suite_writes_all_runs(self):
         self.assertEqual(self.suite.returncode, 0, self.suite.stdout + self.suite.stderr)
         self.assertIn("1 of 2 solved", self.suite.stdout)
