@@ -11,6 +11,7 @@
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
 #include "src/improve/bad_tets.h"
+#include "src/improve/coarsen.h"
 #include "src/improve/passes.h"
 #include "src/improve/refine.h"
 #include "src/improve/trade.h"
@@ -32,10 +33,10 @@ int parts_for(std::size_t tets, std::int64_t tets_per_part) {
 // For what is shared out without a cut.
 int pieces_for(std::size_t tets) { return std::min(kLeastParts, parts_for(tets, kTetsPerLook)); }
 
-enum class Work { refine, passes, both, look, trade, raise };
+enum class Work { thin, refine, passes, both, look, trade, raise };
 
 struct PartResult {
-  std::int64_t refined = 0, traded = 0;
+  std::int64_t thinned = 0, refined = 0, traded = 0;
   PassesResult passes;
 };
 
@@ -49,6 +50,10 @@ PartResult improve_part(MeshPart& part, Work what, std::span<const char> loose, 
   if (what == Work::trade || what == Work::raise) {
     result.traded =
         fewer_bad(work, price, what == Work::trade ? NewVertices::some : NewVertices::none, context);
+    return result;
+  }
+  if (what == Work::thin) {
+    result.thinned = coarsen(work, kThinnedQuality, context);
     return result;
   }
   const auto here = [&](std::span<const char> all) {
@@ -172,6 +177,7 @@ std::vector<int> weights(const TetMesh& mesh, std::span<const Index> chosen, Wor
 
 void add(ImproveResult& sum, const PartResult& part, std::size_t first_pass) {
   sum.end = std::max(sum.end, part.passes.end);
+  sum.thinned += part.thinned;
   sum.refined += part.refined;
   sum.traded += part.traded;
   const auto& passes = part.passes.passes;
@@ -211,6 +217,7 @@ class Improver {
     loose_.assign(static_cast<std::size_t>(mesh_.V.rows()), 1);
     std::fill(loose_.begin(), loose_.begin() + mesh_.surface_vertices, 0);
 
+    thin_out();
     const bool cut = parts_for(static_cast<std::size_t>(mesh_.T.rows()), options_.tets_per_part) > 1;
     if (cut && options_.radius_edge > 0) rounds(Work::refine);
     rounds(cut ? Work::passes : Work::both);
@@ -262,6 +269,12 @@ class Improver {
     return shared;
   }
 
+  std::vector<Index> all_tets() const {
+    std::vector<Index> all(static_cast<std::size_t>(mesh_.T.rows()));
+    std::iota(all.begin(), all.end(), 0);
+    return all;
+  }
+
   // How the mesh is cut for the first round.
   struct Cuts {
     int count = 1;
@@ -281,8 +294,7 @@ class Improver {
 
   // All tets, then what is unfinished around the cuts, until nothing was cut.
   void rounds(Work what) {
-    std::vector<Index> chosen(static_cast<std::size_t>(mesh_.T.rows()));
-    std::iota(chosen.begin(), chosen.end(), 0);
+    std::vector<Index> chosen = all_tets();
     std::vector<int> weight = weights(mesh_, chosen, what, options_);
     std::vector<char> fresh;
     auto [count, mostly_bad] = first_cuts(what, weight);
@@ -309,6 +321,19 @@ class Improver {
       count = std::min(count, parts_for(chosen.size(), kTetsAroundCuts)) / 2 + 1;
       if (what == Work::refine || count == 2) count = 1;
       weight = weights(mesh_, chosen, what, options_);
+    }
+  }
+
+  // Where there are far more tets than a good mesh of this surface has: vertices go until that is over.
+  void thin_out() {
+    if (mesh_.T.rows() <= kCrowded * mesh_.surface_vertices) return;
+    context_.report("improve", 0, "thinning out " + std::to_string(mesh_.T.rows()) + " tets");
+    for (int count = parts_for(static_cast<std::size_t>(mesh_.T.rows()), options_.tets_per_part); count > 0;
+         count = count > 1 ? 1 : 0) {
+      const std::vector<Index> chosen = all_tets();
+      const std::vector<int> weight(chosen.size(), 1);
+      round(Work::thin, cut_apart(mesh_, chosen, count, kSlack, weight), count, chosen, weight, {});
+      if (silent_.stop()) return;
     }
   }
 

@@ -62,6 +62,7 @@ struct ImproveResult {
   enum class End { target_reached, no_progress, passes_done, effort_spent, time_over };
   End end = End::target_reached;  // of the part that ended worst
   DihedralStatistics before, after;
+  std::int64_t thinned = 0;  // vertices that went because the mesh was crowded (coarsen.h)
   std::int64_t refined = 0;  // vertices that refinement inserted
   std::int64_t traded = 0;   // changes that made fewer tets bad (trade.h)
   int lifted = 0;  // times that a place with one of the worst tets got better at last (worst_places.h)

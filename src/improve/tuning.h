@@ -46,6 +46,18 @@ constexpr std::int64_t kRefinedGrowth = 5;
 // Below this quality (3 degrees) vertices inside are taken out where that helps.
 constexpr double kLooseQuality = 0.05;
 
+// --- Coarsening (coarsen.cpp) ---
+
+// A pass in which fewer vertices go than one of so many is the last one.
+constexpr std::int64_t kVerticesPerGone = 200;
+// Tets for each vertex of the surface, beyond which the mesh is crowded. Measured: 3 to 14 in the meshes of
+// scans, characters and CAD models, 200 to 1400 where windings of 5 to 10 come from a few hundred faces.
+constexpr std::int64_t kCrowded = 40;
+// A smallest dihedral sine. Tets that come of thinning out may be this thin, where the old ones were not worse: the
+// fewer vertices are left, the more room the passes have. Measured: .05 leaves twice as many tets, and four times
+// as many bad ones.
+constexpr double kThinnedQuality = 1e-3;
+
 // --- Passes (passes.cpp) ---
 
 // A pass that leaves more than this part of the bad tets calls for stronger means.
