@@ -32,6 +32,10 @@ std::vector<Figure> options_of(const MeshCommand& c, const CommonOptions& common
                            {"threads", std::int64_t{common.threads}}};
   if (common.time_limit > 0) o.emplace_back("time_limit", common.time_limit);
   if (common.memory_limit > 0) o.emplace_back("memory_limit", common.memory_limit);
+  if (c.max_volume > 0) o.emplace_back("max_volume", c.max_volume);
+  if (c.max_edge > 0) o.emplace_back("max_edge", c.max_edge);
+  if (!c.size_file.empty()) o.emplace_back("size", c.size_file);
+  if (c.coarse) o.emplace_back("coarse", true);
   if (!c.save_stages.empty()) o.emplace_back("save_stages", c.save_stages);
   if (!c.resume.empty()) o.emplace_back("resume", c.resume);
   return o;
@@ -67,6 +71,9 @@ MeshingOptions meshing_options(const MeshCommand& c) {
   o.on_infeasible = c.on_infeasible == "repair" ? OnInfeasible::repair : OnInfeasible::reject;
   o.max_repair_move = c.max_move / 100;
   o.improve_degrees = c.improve_degrees;
+  o.sizes.max_volume = c.max_volume;
+  o.sizes.max_edge = c.max_edge;
+  o.sizes.coarse = c.coarse;
   o.save_stages = c.save_stages;
   o.resume = c.resume;
   return o;
@@ -86,7 +93,18 @@ Result<Meshing> make_mesh(const MeshCommand& command, TetFormat format, const Ru
     return surface.error();
   }
   for (const std::string& note : info.notes) terminal.say(note);
-  Result<Meshing> made = tetrahedralize(surface.value(), meshing_options(command), context, &report);
+  MeshingOptions options = meshing_options(command);
+  if (!command.size_file.empty()) {
+    Result<std::vector<double>> sizes = read_sizes(command.size_file);
+    if (!sizes) {
+      dismiss();
+      report.input.format = info.format;
+      report.input.notes = info.notes;
+      return sizes.error();
+    }
+    options.sizes.at_vertex = std::move(sizes).value();
+  }
+  Result<Meshing> made = tetrahedralize(surface.value(), options, context, &report);
   report.input.format = info.format;
   report.input.notes = info.notes;
   dismiss();

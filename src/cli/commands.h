@@ -26,6 +26,9 @@ struct MeshCommand {
   std::string on_infeasible = "reject", preset = "default";
   double improve_degrees = 17;
   double max_move = 6;  // percent of the diagonal, of a repair
+  double max_volume = 0, max_edge = 0;  // in the surface's unit; 0: any
+  std::string size_file;
+  bool coarse = false;
 };
 
 struct InspectCommand {

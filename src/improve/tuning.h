@@ -92,6 +92,27 @@ constexpr double kABitMore = 1.0005, kABitLess = 0.998;
 // A pass that changes fewer than one in so many bad tets is the last one.
 constexpr std::int64_t kTetsPerChange = 50;
 
+// --- Sizes (sizes.cpp, improve.cpp) ---
+
+// The volume of a tet where edges are limited to 1, as a rule: they are about .7 long then.
+constexpr double kUsualVolume = 0.035;
+// A tet counts as so many when the mesh is cut, at most: one that spans the model must not be a part of its own.
+constexpr int kMostWeight = 100000;
+// More tets than this are not made: their corners' places would overflow.
+constexpr double kMostTets = 4e8;
+// A round may multiply a part's tets by this: its cuts stay as coarse as they are.
+constexpr std::int64_t kGrowthOfRound = 4;
+
+// --- Distinct points (set_apart.cpp) ---
+
+// Of the mean length of a vertex's edges: nearer to another vertex it must not be. Programs that merge points do so
+// within 1e-8 of the whole, or less.
+constexpr double kApart = 1e-6;
+// How far a vertex steps aside, of the same: the first that keeps its tets. The first one is the largest.
+constexpr double kAside[] = {1e-3, 1e-4, 1e-5, 2e-6};
+// Of the quality of its worst tet: more than this is kept where it can be.
+constexpr double kHairWorse = 0.999;
+
 // --- The worst places (worst_places.cpp) ---
 
 // Tets within this factor of the worst are mended with it.

@@ -77,6 +77,10 @@ Result<MeshedSurface> repair_by_parts(const Surface& surface, const std::vector<
   MovesOfParts moves;
   for (const SubSurface& part : parts) {
     const double size = diagonal_of(part.surface) / diagonal;
+    if (!options.sizes.at_vertex.empty()) {
+      own.sizes.at_vertex.clear();
+      for (const Index v : part.vertices) own.sizes.at_vertex.push_back(options.sizes.at_vertex[v]);
+    }
     own.max_repair_move = std::min(1.0, options.max_repair_move / size);
     Report report;
     Result<MeshedSurface> r = mesh_or_repair(part.surface, own, context, report);
@@ -105,9 +109,11 @@ Result<MeshedSurface> repair_whole(const Surface& surface, const MeshingOptions&
   RepairedMesh& r = repaired.value();
   if (Status s = opened(job, r); !s) return s.error();
   const bool good_already =
-      r.state == RepairedMesh::State::finished && options.improve_degrees <= kAttemptDegrees;
-  Result<TetMesh> mesh = finish_given(
-      {r.surface, good_already ? 0 : options.improve_degrees, context, records}, std::move(r.mesh));
+      r.state == RepairedMesh::State::finished && options.improve_degrees <= kAttemptDegrees &&
+      !options.sizes.any() && !options.sizes.coarse;
+  Result<TetMesh> mesh =
+      finish_given({r.surface, good_already ? 0 : options.improve_degrees, context, records, options.sizes},
+                   std::move(r.mesh));
   if (!mesh) return mesh.error();
   return MeshedSurface{std::move(mesh).value(), std::move(r.moves)};
 }
