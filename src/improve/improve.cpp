@@ -39,7 +39,7 @@ int pieces_for(std::size_t tets) { return std::min(kLeastParts, parts_for(tets, 
 
 double sine_of(double degrees) { return std::sin(degrees * M_PI / 180); }
 
-enum class Work { thin, shrink, coarsen, refine, passes, both, look, trade, raise };
+enum class Work { thin, shrink, shrink_last, coarsen, refine, passes, both, look, trade, raise };
 
 struct PartResult {
   std::int64_t thinned = 0, refined = 0, coarsened = 0, traded = 0;
@@ -82,7 +82,11 @@ void do_work(LocalOperations& work, const MeshPart& part, const Orders& orders, 
       result.coarsened = coarsen(work, sine_of(options.target_degrees), context);
       return;
     case Work::shrink:
-      result.refined = make_small(work, kGrowthOfRound * tets + 1000, context);
+    case Work::shrink_last:
+      result.refined = make_small(work,
+                                  orders.what == Work::shrink ? LocalOperations::Splits::roomy
+                                                              : LocalOperations::Splits::all,
+                                  kGrowthOfRound * tets + 1000, context);
       return;
     case Work::refine:
     case Work::both:
@@ -260,6 +264,8 @@ class Improver {
     const bool cut = parts_for(static_cast<std::size_t>(mesh_.T.rows()), options_.tets_per_part) > 1;
     if (cut && options_.radius_edge > 0) rounds(Work::refine);
     rounds(cut ? Work::passes : Work::both);
+    if (sizes_)
+      if (Status s = end_sizes(); !s) return s.error();
     look_at_worst(cut);
     const bool traded = trade();
     if (!traded && result_.lifted > 0) look_at(Work::passes, sine_of(kLookAgain * options_.target_degrees));
@@ -400,17 +406,16 @@ class Improver {
   Status begin_sizes() {
     sizes_.emplace(mesh_, options_.sizes);
     result_.fixed_too_long = sizes_->fixed_too_long(mesh_);
-    return shrink();
+    return shrink(Work::shrink);
   }
 
-  // What the passes have made too large (the worst places know no limits), and the passes again for what that takes.
+  // What is too large still, or again (the worst places know no limits), and the passes again for what that takes.
   Status end_sizes() {
     for (int again = 0; again < kInVain && !silent_.stop(); ++again) {
-      sizes_->spread(mesh_, options_.sizes);
       result_.too_large = static_cast<std::int64_t>(sizes_->too_large(mesh_).size());
       if (result_.too_large == 0) return success();
       const std::int64_t before = result_.refined;
-      if (Status s = shrink(); !s) return s;
+      if (Status s = shrink(Work::shrink_last); !s) return s;
       if (result_.refined == before) break;
       look_at(Work::passes, sine_of(options_.target_degrees));
     }
@@ -419,7 +424,7 @@ class Improver {
   }
 
   // Rounds over the tets that are too large and what is around them, until none is left that can be made smaller.
-  Status shrink() {
+  Status shrink(Work how) {
     int most_parts = std::numeric_limits<int>::max();
     for (int n = 0; n < kMostRounds && !silent_.stop(); ++n) {
       const std::vector<Index> large = sizes_->too_large(mesh_);
@@ -440,7 +445,7 @@ class Improver {
       const int count = std::min(most_parts, parts_for(chosen.size(), options_.tets_per_part));
       const std::vector<int> weight = sizes_->weights(mesh_, chosen);
       const std::int64_t before = result_.refined;
-      round(Work::shrink, cut_apart(mesh_, chosen, count, kSlack, weight), count, chosen, weight, {});
+      round(how, cut_apart(mesh_, chosen, count, kSlack, weight), count, chosen, weight, {});
       if ((result_.refined - before) * kIdlePart > static_cast<std::int64_t>(large.size())) continue;
       // Hardly anything: what is left lies at the cuts, or nothing can be done about it.
       if (count == 1) break;

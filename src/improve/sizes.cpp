@@ -174,7 +174,8 @@ double SizeField::estimate(const TetMesh& mesh) const {
       std::plus<>());
 }
 
-std::int64_t make_small(LocalOperations& work, std::int64_t most_tets, const RunContext& context) {
+std::int64_t make_small(LocalOperations& work, LocalOperations::Splits splits, std::int64_t most_tets,
+                        const RunContext& context) {
   const TetComplex& mesh = work.mesh();
   std::vector<char> hopeless(mesh.tet_capacity(), 0);  // tried in vain
   std::int64_t all = 0;
@@ -188,7 +189,7 @@ std::int64_t make_small(LocalOperations& work, std::int64_t most_tets, const Run
     for (const BadTet& b : large) {
       if (context.stop() || mesh.tet_count() >= most_tets) return all + inserted;
       if (!b.still_in(mesh)) continue;
-      if (!work.make_smaller(b.tet)) {
+      if (!work.make_smaller(b.tet, splits)) {
         hopeless[b.tet] = 1;
         continue;
       }

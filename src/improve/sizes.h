@@ -45,6 +45,7 @@ class SizeField {
 // Inserts vertices until no tet of the complex is too large (LocalOperations::make_smaller), the largest first, or
 // the mesh has `most_tets`. Stops early when `context` says so. Returns how many.
 // pre: sizes are limited.
-std::int64_t make_small(LocalOperations& work, std::int64_t most_tets, const RunContext& context);
+std::int64_t make_small(LocalOperations& work, LocalOperations::Splits splits, std::int64_t most_tets,
+                        const RunContext& context);
 
 }  // namespace overtet

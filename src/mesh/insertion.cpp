@@ -324,7 +324,7 @@ bool LocalOperations::insert_circumcentre(Index t) {
   return at >= 0 && insert_delaunay(t, at, x, room);
 }
 
-bool LocalOperations::make_smaller(Index t) {
+bool LocalOperations::make_smaller(Index t, Splits splits) {
   const auto c = mesh_.tet(t);
   const SizeLimit::Excess before = excess(t);
   // Coordinates may be in other units along the axes than lengths: the largest one is on the safe side.
@@ -332,13 +332,23 @@ bool LocalOperations::make_smaller(Index t) {
   const auto room = [&](double part) { return part * part * wanted * wanted; };
   if (const Vector3d x = circumsphere(t).centre; x.allFinite())
     if (const Index at = walk(t, x); at >= 0 && insert_delaunay(t, at, x, room(kCentreRoom))) return true;
-  if (before.edge < 0) {
-    const Vector3d middle = (mesh_.position(c[0]) + mesh_.position(c[1]) + mesh_.position(c[2]) + mesh_.position(c[3])) / 4;
-    return insert_delaunay(t, t, middle, room(kMiddleRoom));
+  // Too large for its volume alone: its longest edge, but that may stay.
+  int edge = before.edge;
+  double longest = 0;
+  for (int k = 0; k < 6 && before.edge < 0; ++k) {
+    const Index a = c[kTetEdge[k][0]], b = c[kTetEdge[k][1]];
+    const double length = limit_->length(mesh_.position(a), mesh_.position(b));
+    if (length > longest && !limit_->kept(a, b)) longest = length, edge = k;
   }
-  const Index a = c[kTetEdge[before.edge][0]], b = c[kTetEdge[before.edge][1]];
+  if (edge < 0) return false;
+  const Index a = c[kTetEdge[edge][0]], b = c[kTetEdge[edge][1]];
   const Vector3d middle = (mesh_.position(a) + mesh_.position(b)) / 2;
-  return insert_delaunay(t, t, middle, room(kMiddleRoom)) || split_edge(a, b, middle);
+  if (insert_delaunay(t, t, middle, room(kMiddleRoom))) return true;
+  if (before.edge < 0 && splits == Splits::roomy) return false;
+  // Where the boundary is near: by itself.
+  mesh_.ring(t, a, b, ring_, link_);
+  const auto roomy = [&](Index v) { return (mesh_.position(v) - middle).squaredNorm() > room(kSplitRoom); };
+  return (splits == Splits::all || std::all_of(link_.begin(), link_.end(), roomy)) && split_edge(a, b, middle);
 }
 
 bool LocalOperations::insert_delaunay(Index t, Index at, const Vector3d& x, double room) {

@@ -110,8 +110,10 @@ class LocalOperations {
   // would stay. No criterion of quality: what it bounds is the circumradius over the shortest edge.
   bool insert_circumcentre(Index t);
   // The same where t is too large: a vertex at the centre, or in the middle of the edge that is too long for it, with
-  // the tets around chosen like this or, last, by splitting the edge alone. pre: sizes are limited.
-  bool make_smaller(Index t);
+  // the tets around chosen like this or, last, by splitting the edge alone: where that makes no short edges, or in any
+  // case. pre: sizes are limited.
+  enum class Splits { roomy, all };
+  bool make_smaller(Index t, Splits splits);
 
   // Moves the free vertex v so that the worst tet of its star gets better by at least the factor `gain`.
   bool smooth(Index v, double gain = kAnyGain);
