@@ -104,7 +104,8 @@ void NearPoints::look(std::int64_t begin, std::int64_t end, const Point& p, Best
   const std::int64_t middle = begin + (end - begin) / 2;
   const double off = p.at[axis_[middle]] - points_[middle].at[axis_[middle]];
   take(points_[middle]);
-  // The nearer side first. The other one where it may be as near, unless a twin has been found: more of them say nothing.
+  // The nearer side first. The other one where it may be as near, unless a twin has been found: more of them
+  // say nothing.
   const auto other = [&] { return off * off <= best.squared && !(best.squared == 0 && best.twin); };
   if (off <= 0) {
     look(begin, middle, p, best);

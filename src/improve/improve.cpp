@@ -83,26 +83,25 @@ void do_work(LocalOperations& work, const MeshPart& part, const Orders& orders, 
       return;
     case Work::shrink:
     case Work::shrink_last:
-      result.refined = make_small(work,
-                                  orders.what == Work::shrink ? LocalOperations::Splits::roomy
-                                                              : LocalOperations::Splits::all,
-                                  kGrowthOfRound * tets + 1000, context);
+      result.refined = make_small(
+          work, orders.what == Work::shrink ? LocalOperations::Splits::roomy : LocalOperations::Splits::all,
+          kGrowthOfRound * tets + 1000, context);
       return;
     case Work::refine:
     case Work::both:
       if (options.radius_edge > 0) {
         const std::vector<char> loose = here(orders.loose);
         contract_loose(work, loose, kLooseQuality, context);
-        result.refined = refine(work, options.radius_edge, loose, kRefinedGrowth * part.complex.tet_count() + 1000,
-                                context);
+        result.refined = refine(work, options.radius_edge, loose,
+                                kRefinedGrowth * part.complex.tet_count() + 1000, context);
       }
       if (orders.what == Work::refine) return;
       [[fallthrough]];
     case Work::passes:
     case Work::look:
-      result.passes =
-          improve_passes(work, here(orders.fresh), options,
-                         orders.what == Work::look ? Care::by_all_means : Care::usual, orders.seconds, context);
+      result.passes = improve_passes(work, here(orders.fresh), options,
+                                     orders.what == Work::look ? Care::by_all_means : Care::usual,
+                                     orders.seconds, context);
   }
 }
 
@@ -391,7 +390,8 @@ class Improver {
     }
   }
 
-  // In the end: fewer vertices, as far as the target angle allows. Where the mesh is cut, once more without cuts.
+  // In the end: fewer vertices, as far as the target angle allows. Where the mesh is cut, once more without
+  // cuts.
   void coarsen_all() {
     for (int count = parts_for(static_cast<std::size_t>(mesh_.T.rows()), options_.tets_per_part); count > 0;
          count = count > 1 ? 1 : 0) {
@@ -409,7 +409,8 @@ class Improver {
     return shrink(Work::shrink);
   }
 
-  // What is too large still, or again (the worst places know no limits), and the passes again for what that takes.
+  // What is too large still, or again (the worst places know no limits), and the passes again for what that
+  // takes.
   Status end_sizes() {
     for (int again = 0; again < kInVain && !silent_.stop(); ++again) {
       result_.too_large = static_cast<std::int64_t>(sizes_->too_large(mesh_).size());
@@ -423,7 +424,8 @@ class Improver {
     return success();
   }
 
-  // Rounds over the tets that are too large and what is around them, until none is left that can be made smaller.
+  // Rounds over the tets that are too large and what is around them, until none is left that can be made
+  // smaller.
   Status shrink(Work how) {
     int most_parts = std::numeric_limits<int>::max();
     for (int n = 0; n < kMostRounds && !silent_.stop(); ++n) {
@@ -434,8 +436,9 @@ class Improver {
         return Error{ErrorCode::usage, "The sizes that are asked for need more than " +
                                            std::to_string(static_cast<std::int64_t>(kMostTets / 1e6)) +
                                            " million tets; ask for larger ones."};
-      context_.report("improve", 0.1,
-                      std::to_string(large.size()) + " of " + std::to_string(mesh_.T.rows()) + " tets are too large");
+      context_.report(
+          "improve", 0.1,
+          std::to_string(large.size()) + " of " + std::to_string(mesh_.T.rows()) + " tets are too large");
       std::vector<char> is_large(static_cast<std::size_t>(mesh_.T.rows()), 0);
       for (const Index t : large) is_large[t] = 1;
       const std::vector<Index> chosen =
@@ -514,8 +517,8 @@ class Improver {
   RunContext silent_;    // without progress, and with this stage's deadline
   ImproveResult result_;
   std::optional<SizeField> sizes_;  // where they are limited
-  std::vector<char> loose_;       // vertices of the inside, as given
-  LocalOperations::Price price_;  // where fewer tets are to be bad
+  std::vector<char> loose_;         // vertices of the inside, as given
+  LocalOperations::Price price_;    // where fewer tets are to be bad
 };
 
 }  // namespace
@@ -536,9 +539,11 @@ Status ImproveOptions::validate() const {
   if (!(effort >= 0)) return Error{ErrorCode::usage, "The effort of the quality pass must not be negative."};
   if (tets_per_part < 1) return Error{ErrorCode::usage, "A part of the mesh must have at least one tet."};
   if (!(sizes.max_volume > 0 && sizes.max_edge > 0))
-    return Error{ErrorCode::usage, "The largest volume and the longest edge of a tet must be positive numbers."};
+    return Error{ErrorCode::usage,
+                 "The largest volume and the longest edge of a tet must be positive numbers."};
   for (const double size : sizes.at_surface)
-    if (!(size > 0)) return Error{ErrorCode::usage, "The sizes at the surface's vertices must be positive numbers."};
+    if (!(size > 0))
+      return Error{ErrorCode::usage, "The sizes at the surface's vertices must be positive numbers."};
   if (!(seconds >= 0)) return Error{ErrorCode::usage, "The time for the quality pass must not be negative."};
   return success();
 }

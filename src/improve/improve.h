@@ -32,8 +32,9 @@
 
 namespace overtet {
 
-// How large tets may be: infinite or empty for no limit. Lengths and volumes in the user's unit: what `unit` times the
-// coordinates is. Where the boundary's own edges are longer, tets get smaller inwards (src/mesh/size_limit.h).
+// How large tets may be: infinite or empty for no limit. Lengths and volumes in the user's unit: what `unit`
+// times the coordinates is. Where the boundary's own edges are longer, tets get smaller inwards
+// (src/mesh/size_limit.h).
 struct SizeOptions {
   double max_volume = std::numeric_limits<double>::infinity();
   double max_edge = std::numeric_limits<double>::infinity();
@@ -78,12 +79,12 @@ struct ImproveResult {
   enum class End { target_reached, no_progress, passes_done, effort_spent, time_over };
   End end = End::target_reached;  // of the part that ended worst
   DihedralStatistics before, after;
-  std::int64_t thinned = 0;  // vertices that went because the mesh was crowded (coarsen.h)
-  std::int64_t refined = 0;  // vertices that refinement inserted
-  std::int64_t coarsened = 0;      // vertices that went because few were asked for
-  std::int64_t too_large = 0;      // tets that are larger than asked, in spite of all
+  std::int64_t thinned = 0;         // vertices that went because the mesh was crowded (coarsen.h)
+  std::int64_t refined = 0;         // vertices that refinement inserted
+  std::int64_t coarsened = 0;       // vertices that went because few were asked for
+  std::int64_t too_large = 0;       // tets that are larger than asked, in spite of all
   std::int64_t fixed_too_long = 0;  // edges of the boundary that are longer than asked
-  std::int64_t traded = 0;   // changes that made fewer tets bad (trade.h)
+  std::int64_t traded = 0;          // changes that made fewer tets bad (trade.h)
   int lifted = 0;  // times that a place with one of the worst tets got better at last (worst_places.h)
   std::vector<ImprovePass>
       passes;               // of all parts together: the n-th passes of a round of parts in one record
@@ -91,8 +92,8 @@ struct ImproveResult {
   double seconds = 0;
 };
 
-// Sizes: before the passes, tets that are too large get new vertices (sizes.h); all that comes after keeps to the
-// limits.
+// Sizes: before the passes, tets that are too large get new vertices (sizes.h); all that comes after keeps to
+// the limits.
 //
 // Works in place. The surface's vertices keep their numbers; others that no tet needs any more are dropped.
 // Errors: usage (options), interrupted, limit (the context's deadline had passed on entry).

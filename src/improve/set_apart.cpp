@@ -36,17 +36,18 @@ std::vector<double> mean_edges(const TetMesh& mesh) {
 }
 
 // Vertices inside that are too near to one of the surface or to one with a smaller number, ascending.
-std::vector<Index> too_near(const TetMesh& mesh, const NearPoints& points, const std::vector<double>& mean_edge) {
+std::vector<Index> too_near(const TetMesh& mesh, const NearPoints& points,
+                            const std::vector<double>& mean_edge) {
   const Index inside = static_cast<Index>(mesh.V.rows()) - mesh.surface_vertices;
-  return parallel_collect<Index>(
-      inside, kMediumGrain, [&](std::int64_t begin, std::int64_t end, std::vector<Index>& out) {
-        std::vector<Index> found;
-        for (std::int64_t i = begin; i < end; ++i) {
-          const Index v = mesh.surface_vertices + static_cast<Index>(i);
-          points.within(mesh.V.row(v), kApart * mean_edge[v], found);
-          if (!found.empty() && found.front() < v) out.push_back(v);
-        }
-      });
+  return parallel_collect<Index>(inside, kMediumGrain,
+                                 [&](std::int64_t begin, std::int64_t end, std::vector<Index>& out) {
+                                   std::vector<Index> found;
+                                   for (std::int64_t i = begin; i < end; ++i) {
+                                     const Index v = mesh.surface_vertices + static_cast<Index>(i);
+                                     points.within(mesh.V.row(v), kApart * mean_edge[v], found);
+                                     if (!found.empty() && found.front() < v) out.push_back(v);
+                                   }
+                                 });
 }
 
 // Moves one vertex.

@@ -27,7 +27,8 @@ TetComplex::Tet tet_row(const TetMesh& mesh, Index t) {
 }
 
 std::array<Vector3d, 4> points_of(const TetMesh& mesh, Index t) {
-  return {mesh.V.row(mesh.T(t, 0)), mesh.V.row(mesh.T(t, 1)), mesh.V.row(mesh.T(t, 2)), mesh.V.row(mesh.T(t, 3))};
+  return {mesh.V.row(mesh.T(t, 0)), mesh.V.row(mesh.T(t, 1)), mesh.V.row(mesh.T(t, 2)),
+          mesh.V.row(mesh.T(t, 3))};
 }
 
 std::vector<Edge> edges_of(const std::vector<std::array<Index, 3>>& faces) {
@@ -59,7 +60,8 @@ struct Ends {
   }
 };
 
-// Dijkstra's algorithm: every value becomes what its best neighbour leaves it. better(x, y); step(value, length).
+// Dijkstra's algorithm: every value becomes what its best neighbour leaves it. better(x, y); step(value,
+// length).
 template <class Better, class Step>
 void spread_along(const TetMesh& mesh, const Ends& ends, const SizeLimit& limit, std::vector<double>& value,
                   Better&& better, Step&& step) {
@@ -95,7 +97,8 @@ SizeField::SizeField(const TetMesh& mesh, const SizeOptions& options)
 void SizeField::spread(const TetMesh& mesh, const SizeOptions& options) {
   const auto vertices = static_cast<std::size_t>(mesh.V.rows());
   std::vector<double> asked(vertices, options.max_edge), least(vertices, 0);
-  for (std::size_t v = 0; v < options.at_surface.size(); ++v) asked[v] = std::min(asked[v], options.at_surface[v]);
+  for (std::size_t v = 0; v < options.at_surface.size(); ++v)
+    asked[v] = std::min(asked[v], options.at_surface[v]);
   for (const auto& [a, b] : boundary_) {
     const double length = limit_.length(mesh.V.row(a), mesh.V.row(b));
     least[a] = std::max(least[a], length);
@@ -133,11 +136,12 @@ void SizeField::take(std::span<const Index> number, const std::vector<MeshPart>&
 }
 
 std::vector<Index> SizeField::too_large(const TetMesh& mesh) const {
-  return parallel_collect<Index>(
-      mesh.T.rows(), kMediumGrain, [&](std::int64_t begin, std::int64_t end, std::vector<Index>& out) {
-        for (Index t = static_cast<Index>(begin); t < end; ++t)
-          if (limit_.excess(tet_row(mesh, t), points_of(mesh, t)).factor > 1) out.push_back(t);
-      });
+  return parallel_collect<Index>(mesh.T.rows(), kMediumGrain,
+                                 [&](std::int64_t begin, std::int64_t end, std::vector<Index>& out) {
+                                   for (Index t = static_cast<Index>(begin); t < end; ++t)
+                                     if (limit_.excess(tet_row(mesh, t), points_of(mesh, t)).factor > 1)
+                                       out.push_back(t);
+                                 });
 }
 
 std::int64_t SizeField::fixed_too_long(const TetMesh& mesh) const {
@@ -156,10 +160,11 @@ double SizeField::becomes(const TetMesh& mesh, Index t) const {
 
 std::vector<int> SizeField::weights(const TetMesh& mesh, std::span<const Index> tets) const {
   std::vector<int> weight(tets.size());
-  parallel_for(static_cast<std::int64_t>(tets.size()), kMediumGrain, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t i = begin; i < end; ++i)
-      weight[i] = static_cast<int>(std::min(becomes(mesh, tets[i]), 1.0 * kMostWeight));
-  });
+  parallel_for(static_cast<std::int64_t>(tets.size()), kMediumGrain,
+               [&](std::int64_t begin, std::int64_t end) {
+                 for (std::int64_t i = begin; i < end; ++i)
+                   weight[i] = static_cast<int>(std::min(becomes(mesh, tets[i]), 1.0 * kMostWeight));
+               });
   return weight;
 }
 

@@ -1,5 +1,5 @@
-// Tets as small as they are asked to be: the sizes at all vertices of a mesh, and the vertices that are inserted until
-// every tet is small enough.
+// Tets as small as they are asked to be: the sizes at all vertices of a mesh, and the vertices that are
+// inserted until every tet is small enough.
 #pragma once
 
 #include <cstdint>
@@ -42,9 +42,9 @@ class SizeField {
   std::vector<std::array<Index, 2>> boundary_;  // its edges
 };
 
-// Inserts vertices until no tet of the complex is too large (LocalOperations::make_smaller), the largest first, or
-// the mesh has `most_tets`. Stops early when `context` says so. Returns how many.
-// pre: sizes are limited.
+// Inserts vertices until no tet of the complex is too large (LocalOperations::make_smaller), the largest
+// first, or the mesh has `most_tets`. Stops early when `context` says so. Returns how many. pre: sizes are
+// limited.
 std::int64_t make_small(LocalOperations& work, LocalOperations::Splits splits, std::int64_t most_tets,
                         const RunContext& context);
 

@@ -53,9 +53,9 @@ constexpr std::int64_t kVerticesPerGone = 200;
 // Tets for each vertex of the surface, beyond which the mesh is crowded. Measured: 3 to 14 in the meshes of
 // scans, characters and CAD models, 200 to 1400 where windings of 5 to 10 come from a few hundred faces.
 constexpr std::int64_t kCrowded = 40;
-// A smallest dihedral sine. Tets that come of thinning out may be this thin, where the old ones were not worse: the
-// fewer vertices are left, the more room the passes have. Measured: .05 leaves twice as many tets, and four times
-// as many bad ones.
+// A smallest dihedral sine. Tets that come of thinning out may be this thin, where the old ones were not
+// worse: the fewer vertices are left, the more room the passes have. Measured: .05 leaves twice as many tets,
+// and four times as many bad ones.
 constexpr double kThinnedQuality = 1e-3;
 
 // --- Passes (passes.cpp) ---
@@ -96,7 +96,8 @@ constexpr std::int64_t kTetsPerChange = 50;
 
 // The volume of a tet where edges are limited to 1, as a rule: they are about .7 long then.
 constexpr double kUsualVolume = 0.035;
-// A tet counts as so many when the mesh is cut, at most: one that spans the model must not be a part of its own.
+// A tet counts as so many when the mesh is cut, at most: one that spans the model must not be a part of its
+// own.
 constexpr int kMostWeight = 100000;
 // More tets than this are not made: their corners' places would overflow.
 constexpr double kMostTets = 4e8;
@@ -105,8 +106,8 @@ constexpr std::int64_t kGrowthOfRound = 4;
 
 // --- Distinct points (set_apart.cpp) ---
 
-// Of the mean length of a vertex's edges: nearer to another vertex it must not be. Programs that merge points do so
-// within 1e-8 of the whole, or less.
+// Of the mean length of a vertex's edges: nearer to another vertex it must not be. Programs that merge points
+// do so within 1e-8 of the whole, or less.
 constexpr double kApart = 1e-6;
 // How far a vertex steps aside, of the same: the first that keeps its tets. The first one is the largest.
 constexpr double kAside[] = {1e-3, 1e-4, 1e-5, 2e-6};

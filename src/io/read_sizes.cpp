@@ -10,7 +10,8 @@ Result<std::vector<double>> read_sizes(const std::string& path) {
   const Result<std::string> text = read_file(path);
   if (!text) return text.error();
   if (const std::int64_t line = line_of_nul(text.value()))
-    return Error{ErrorCode::bad_input, path + ", line " + std::to_string(line) + ": a file of sizes is text."};
+    return Error{ErrorCode::bad_input,
+                 path + ", line " + std::to_string(line) + ": a file of sizes is text."};
   TextCursor cursor(path, text.value(), true);
   std::vector<double> sizes;
   while (cursor.to_token()) {

@@ -348,7 +348,8 @@ bool LocalOperations::make_smaller(Index t, Splits splits) {
   // Where the boundary is near: by itself.
   mesh_.ring(t, a, b, ring_, link_);
   const auto roomy = [&](Index v) { return (mesh_.position(v) - middle).squaredNorm() > room(kSplitRoom); };
-  return (splits == Splits::all || std::all_of(link_.begin(), link_.end(), roomy)) && split_edge(a, b, middle);
+  return (splits == Splits::all || std::all_of(link_.begin(), link_.end(), roomy)) &&
+         split_edge(a, b, middle);
 }
 
 bool LocalOperations::insert_delaunay(Index t, Index at, const Vector3d& x, double room) {

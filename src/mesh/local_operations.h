@@ -60,8 +60,8 @@ class LocalOperations {
   const std::vector<Index>& changed() const { return changed_; }
   // From now on no operation makes an interior edge between two fixed vertices.
   void forbid_fixed_chords() { fixed_chords_ = false; }
-  // From now on no operation makes a tet that is too large, unless it replaces one that is so by as much. The limit has
-  // sizes of all vertices; those of new ones are added.
+  // From now on no operation makes a tet that is too large, unless it replaces one that is so by as much. The
+  // limit has sizes of all vertices; those of new ones are added.
   void limit_sizes(SizeLimit limit) { limit_ = std::move(limit); }
   const std::optional<SizeLimit>& limit() const { return limit_; }
   // How much too large a tet is. pre: sizes are limited.
@@ -109,9 +109,9 @@ class LocalOperations {
   // in a boundary face's smallest sphere or nearer to a vertex than t's shortest edge is long, and where t
   // would stay. No criterion of quality: what it bounds is the circumradius over the shortest edge.
   bool insert_circumcentre(Index t);
-  // The same where t is too large: a vertex at the centre, or in the middle of the edge that is too long for it, with
-  // the tets around chosen like this or, last, by splitting the edge alone: where that makes no short edges, or in any
-  // case. pre: sizes are limited.
+  // The same where t is too large: a vertex at the centre, or in the middle of the edge that is too long for
+  // it, with the tets around chosen like this or, last, by splitting the edge alone: where that makes no
+  // short edges, or in any case. pre: sizes are limited.
   enum class Splits { roomy, all };
   bool make_smaller(Index t, Splits splits);
 

@@ -44,7 +44,8 @@ double SizeLimit::wanted(const TetComplex::Tet& tet) const {
   return length;
 }
 
-SizeLimit::Excess SizeLimit::excess(const TetComplex::Tet& tet, const std::array<Eigen::Vector3d, 4>& at) const {
+SizeLimit::Excess SizeLimit::excess(const TetComplex::Tet& tet,
+                                    const std::array<Eigen::Vector3d, 4>& at) const {
   Excess e;
   double longest = 1;
   for (int k = 0; k < 6; ++k) {

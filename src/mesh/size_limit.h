@@ -1,9 +1,9 @@
 // How large tets may be.
 //
-// At every vertex two lengths: how long edges are asked to be at most, and how short they can be made there. Where the
-// boundary's own edges are longer than asked, edges near them cannot be shorter than these without thin tets: they
-// shrink inwards. Both are known at the surface, and spread from vertex to vertex along the mesh, never through space:
-// layers that overlap do not see each other.
+// At every vertex two lengths: how long edges are asked to be at most, and how short they can be made there.
+// Where the boundary's own edges are longer than asked, edges near them cannot be shorter than these without
+// thin tets: they shrink inwards. Both are known at the surface, and spread from vertex to vertex along the
+// mesh, never through space: layers that overlap do not see each other.
 #pragma once
 
 #include <Eigen/Core>
@@ -44,7 +44,8 @@ class SizeLimit {
   }
   std::vector<LocalSize> sizes;  // of each vertex
   // A new vertex at p, with tets to these.
-  void add_vertex(const Eigen::Vector3d& p, std::span<const Index> near, const std::vector<Eigen::Vector3d>& positions);
+  void add_vertex(const Eigen::Vector3d& p, std::span<const Index> near,
+                  const std::vector<Eigen::Vector3d>& positions);
 
   // Edges that stay as they are: how long they are does not count. Pairs, the smaller number first, sorted.
   void keep_edges(std::vector<std::array<Index, 2>> edges) { kept_ = std::move(edges); }
@@ -55,8 +56,8 @@ class SizeLimit {
     const LocalSize &x = sizes[a], &y = sizes[b];
     return std::max(std::min(x.asked, y.asked), std::max(x.least, y.least));
   }
-  // How much too large a tet is: the largest of its lengths over what is allowed, the cube root of its volume one of
-  // them; 1 or less: it is not. edge: the longest one over what is allowed, -1 where none is too long.
+  // How much too large a tet is: the largest of its lengths over what is allowed, the cube root of its volume
+  // one of them; 1 or less: it is not. edge: the longest one over what is allowed, -1 where none is too long.
   struct Excess {
     double factor = 0;
     int edge = -1;  // of kTetEdge

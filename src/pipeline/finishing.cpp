@@ -53,9 +53,10 @@ void say_what_is_too_large(const FinishingJob& job, const ImproveResult& r, Stag
   record.figures.emplace_back("too_large", r.too_large);
   record.figures.emplace_back("fixed_too_long", r.fixed_too_long);
   if (r.fixed_too_long > 0)
-    job.context.note(LogLevel::warning, std::to_string(r.fixed_too_long) +
-                                            " edges of the surface are longer than the sizes asked for; they stay, and "
-                                            "tets near them are larger.");
+    job.context.note(LogLevel::warning,
+                     std::to_string(r.fixed_too_long) +
+                         " edges of the surface are longer than the sizes asked for; they stay, and "
+                         "tets near them are larger.");
   if (r.too_large > 0)
     job.context.note(LogLevel::warning, std::to_string(r.too_large) + " tets are larger than asked.");
 }
@@ -91,10 +92,11 @@ void make_points_distinct(const FinishingJob& job, TetMesh& mesh) {
       const auto at = job.input.V.row(r.first);
       std::ostringstream place;
       place << at[0] << ", " << at[1] << ", " << at[2];
-      job.context.note(LogLevel::warning,
-                       std::to_string(r.forced) + " vertices of the surface lie in one place with another one (first " +
-                           std::to_string(r.first) + " and " + std::to_string(r.second) + ", counted from 0, at (" +
-                           place.str() + ")) and must stay there; programs that merge equal points would glue the mesh.");
+      job.context.note(
+          LogLevel::warning,
+          std::to_string(r.forced) + " vertices of the surface lie in one place with another one (first " +
+              std::to_string(r.first) + " and " + std::to_string(r.second) + ", counted from 0, at (" +
+              place.str() + ")) and must stay there; programs that merge equal points would glue the mesh.");
     }
     return success();
   });

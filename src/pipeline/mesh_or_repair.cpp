@@ -108,9 +108,9 @@ Result<MeshedSurface> repair_whole(const Surface& surface, const MeshingOptions&
   if (!repaired) return repaired.error();
   RepairedMesh& r = repaired.value();
   if (Status s = opened(job, r); !s) return s.error();
-  const bool good_already =
-      r.state == RepairedMesh::State::finished && options.improve_degrees <= kAttemptDegrees &&
-      !options.sizes.any() && !options.sizes.coarse;
+  const bool good_already = r.state == RepairedMesh::State::finished &&
+                            options.improve_degrees <= kAttemptDegrees && !options.sizes.any() &&
+                            !options.sizes.coarse;
   Result<TetMesh> mesh =
       finish_given({r.surface, good_already ? 0 : options.improve_degrees, context, records, options.sizes},
                    std::move(r.mesh));

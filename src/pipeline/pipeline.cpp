@@ -70,7 +70,8 @@ PipelineResult run_pipeline(const Surface& surface, const MeshingOptions& option
   }
   if (const auto given = options.sizes.at_vertex.size();
       given > 0 && given != static_cast<std::size_t>(surface.V.rows())) {
-    fail({ErrorCode::usage, "There are " + std::to_string(given) + " sizes for " + std::to_string(surface.V.rows()) +
+    fail({ErrorCode::usage, "There are " + std::to_string(given) + " sizes for " +
+                                std::to_string(surface.V.rows()) +
                                 " vertices of the surface; give one for each, in their order."},
          result);
     return result;

@@ -53,7 +53,9 @@ double longest_inside(const TetMesh& mesh) {
 double largest_volume(const TetMesh& mesh) {
   double largest = 0;
   for (Index t = 0; t < mesh.T.rows(); ++t) {
-    const auto side = [&](int k) -> Eigen::Vector3d { return mesh.V.row(mesh.T(t, k)) - mesh.V.row(mesh.T(t, 0)); };
+    const auto side = [&](int k) -> Eigen::Vector3d {
+      return mesh.V.row(mesh.T(t, k)) - mesh.V.row(mesh.T(t, 0));
+    };
     largest = std::max(largest, side(1).cross(side(2)).dot(side(3)) / 6);
   }
   return largest;
@@ -189,7 +191,8 @@ TEST(Thin, ACrowdedMeshIsThinnedOut) {
     const Index t = static_cast<Index>(random() % static_cast<unsigned>(c.tet_capacity()));
     if (!c.alive(t)) continue;
     const auto v = c.tet(t);
-    work.split_tet(t, 0.97 * c.position(v[0]) + 0.01 * (c.position(v[1]) + c.position(v[2]) + c.position(v[3])));
+    work.split_tet(t,
+                   0.97 * c.position(v[0]) + 0.01 * (c.position(v[1]) + c.position(v[2]) + c.position(v[3])));
   }
   TetMesh mesh = c.to_mesh(start.surface_vertices);
   ASSERT_GT(mesh.T.rows(), 5000);
