@@ -36,7 +36,7 @@ struct TetSizes {
   double max_edge = 0;            // the longest edge inside; 0: any
   std::vector<double> at_vertex;  // #V: the longest edge at each vertex of the surface, which may grow by .4
                                   // of the distance from there; infinity: any. Empty: no sizes.
-  bool coarse = false;  // as few vertices inside as improve_degrees (and the sizes) allow
+  bool coarse = false;            // as few vertices inside as improve_degrees (and the sizes) allow
 
   bool any() const { return max_volume > 0 || max_edge > 0 || !at_vertex.empty(); }
 };

@@ -16,6 +16,9 @@ namespace overtet {
 // Contracts edges from free vertices until hardly one is left that can go. New tets are better than the worst
 // that they replace, or than `enough` (a smallest dihedral sine). Every vertex is tried again when something
 // around it has changed. Returns how many have gone. Stops early when `context` says so.
-std::int64_t coarsen(LocalOperations& work, double enough, const RunContext& context);
+// By all means: where none can be contracted the star is filled anew without the vertex, and what stays is
+// smoothed, so that others can go.
+enum class Removal { by_contraction, by_all_means };
+std::int64_t coarsen(LocalOperations& work, double enough, Removal how, const RunContext& context);
 
 }  // namespace overtet

@@ -76,10 +76,10 @@ void do_work(LocalOperations& work, const MeshPart& part, const Orders& orders, 
       result.traded = fewer_bad(work, orders.price, NewVertices::none, context);
       return;
     case Work::thin:
-      result.thinned = coarsen(work, kThinnedQuality, context);
+      result.thinned = coarsen(work, kThinnedQuality, Removal::by_contraction, context);
       return;
     case Work::coarsen:
-      result.coarsened = coarsen(work, sine_of(options.target_degrees), context);
+      result.coarsened = coarsen(work, sine_of(options.target_degrees), Removal::by_all_means, context);
       return;
     case Work::shrink:
     case Work::shrink_last:

@@ -94,7 +94,7 @@ TetQuality tet_quality(const TetMesh& mesh, const RunContext& context) {
   q.dihedral_max = degrees(all.low);
   q.volume = all.volume;
   const NearPoints::Closest closest = NearPoints(mesh.V).closest();
-  const double diagonal = (mesh.V.colwise().maxCoeff() - mesh.V.colwise().minCoeff()).norm();
+  const double diagonal = (mesh.V.colwise().maxCoeff() - mesh.V.colwise().minCoeff()).stableNorm();
   q.coincident_vertices = closest.coincident;
   q.closest_pair = closest.distance / diagonal;
   q.closest = {closest.a, closest.b};
