@@ -32,10 +32,10 @@ std::vector<Figure> options_of(const MeshCommand& c, const CommonOptions& common
                            {"threads", std::int64_t{common.threads}}};
   if (common.time_limit > 0) o.emplace_back("time_limit", common.time_limit);
   if (common.memory_limit > 0) o.emplace_back("memory_limit", common.memory_limit);
-  if (c.max_volume > 0) o.emplace_back("max_volume", c.max_volume);
-  if (c.max_edge > 0) o.emplace_back("max_edge", c.max_edge);
-  if (!c.size_file.empty()) o.emplace_back("size", c.size_file);
-  if (c.coarse) o.emplace_back("coarse", true);
+  if (c.sizes.max_volume > 0) o.emplace_back("max_volume", c.sizes.max_volume);
+  if (c.sizes.max_edge > 0) o.emplace_back("max_edge", c.sizes.max_edge);
+  if (!c.sizes.file.empty()) o.emplace_back("size", c.sizes.file);
+  if (c.sizes.coarse) o.emplace_back("coarse", true);
   if (!c.save_stages.empty()) o.emplace_back("save_stages", c.save_stages);
   if (!c.resume.empty()) o.emplace_back("resume", c.resume);
   return o;
@@ -71,9 +71,9 @@ MeshingOptions meshing_options(const MeshCommand& c) {
   o.on_infeasible = c.on_infeasible == "repair" ? OnInfeasible::repair : OnInfeasible::reject;
   o.max_repair_move = c.max_move / 100;
   o.improve_degrees = c.improve_degrees;
-  o.sizes.max_volume = c.max_volume;
-  o.sizes.max_edge = c.max_edge;
-  o.sizes.coarse = c.coarse;
+  o.sizes.max_volume = c.sizes.max_volume;
+  o.sizes.max_edge = c.sizes.max_edge;
+  o.sizes.coarse = c.sizes.coarse;
   o.save_stages = c.save_stages;
   o.resume = c.resume;
   return o;
@@ -94,8 +94,8 @@ Result<Meshing> make_mesh(const MeshCommand& command, TetFormat format, const Ru
   }
   for (const std::string& note : info.notes) terminal.say(note);
   MeshingOptions options = meshing_options(command);
-  if (!command.size_file.empty()) {
-    Result<std::vector<double>> sizes = read_sizes(command.size_file);
+  if (!command.sizes.file.empty()) {
+    Result<std::vector<double>> sizes = read_sizes(command.sizes.file);
     if (!sizes) {
       dismiss();
       report.input.format = info.format;
