@@ -63,6 +63,11 @@ struct SurfaceReadInfo {
 Result<Surface> read_surface(const std::string& path, SurfaceReadInfo* info = nullptr,
                              const RunContext& context = {});
 
+// A number a vertex, in the order of the surface's, with blanks or line ends between them; # begins a
+// comment. 0 means any size and is read as infinity (TetSizes::at_vertex). Errors: bad_input (the message
+// names the line), io.
+Result<std::vector<double>> read_sizes(const std::string& path);
+
 enum class SurfaceFormat { off, obj, ply };  // PLY: binary, little endian, doubles
 
 // By extension: .off, .obj or .ply. Errors: usage.

@@ -46,15 +46,28 @@ struct RefinedSurface {
   std::vector<Index> subdivided;  // the input's faces that are in pieces, sorted
 };
 
+// How large tets may be, in the surface's unit. The boundary stays as it is: where its own edges are longer
+// than asked, so are edges near them, and tets get smaller inwards. Made by the quality pass.
+struct TetSizes {
+  double max_volume = 0;          // of a tet; 0: any
+  double max_edge = 0;            // the longest edge inside; 0: any
+  std::vector<double> at_vertex;  // #V: the longest edge at each vertex of the surface, which may grow by .4
+                                  // of the distance from there; infinity: any. Empty: no sizes.
+  bool coarse = false;            // as few vertices inside as improve_degrees (and the sizes) allow
+
+  bool any() const { return max_volume > 0 || max_edge > 0 || !at_vertex.empty(); }
+};
+
 struct MeshingOptions {
   Preset preset = Preset::standard;
   OnInfeasible on_infeasible = OnInfeasible::reject;
   double max_repair_move = 0.06;  // of a vertex, relative to the diagonal of the bounding box; up to 1
   double improve_degrees = 17;  // smallest dihedral angle that the quality pass aims at, 0 to 40; 0: no pass
-  std::string save_stages;      // folder for the intermediate states; empty: none
-  std::string resume;           // folder to take them from; empty: none
+  TetSizes sizes;
+  std::string save_stages;  // folder for the intermediate states; empty: none
+  std::string resume;       // folder to take them from; empty: none
 
-  Status validate() const;  // Errors: usage.
+  Status validate() const;  // Errors: usage. How many sizes there are is checked against the surface.
 };
 
 struct Meshing {

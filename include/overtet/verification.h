@@ -55,6 +55,10 @@ struct TetQuality {
   std::int64_t tets = 0;
   double dihedral_min = 0, dihedral_p01 = 0, dihedral_max = 0;  // degrees; p01: 1 % of the angles are smaller
   double volume = 0;  // sum over the tets, overlaps counted each time
+  // Programs that merge equal points when they read a mesh glue its layers where vertices coincide.
+  std::int64_t coincident_vertices = 0;  // exactly in one place with another one
+  double closest_pair = 0;               // the smallest distance of two vertices over the diagonal; rounded
+  std::array<Index, 2> closest = {-1, -1};  // two as near as that
 };
 
 struct VerifyResult {

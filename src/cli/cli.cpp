@@ -85,6 +85,20 @@ CLI::App* add_mesh(CLI::App& app, MeshCommand& mesh) {
   command->add_option(
       "--save-surface", mesh.save_surface,
       "Write the surface that the mesh is of to this file, repaired or refined: .off, .obj or .ply");
+  command
+      ->add_option("--max-volume", mesh.sizes.max_volume,
+                   "Largest volume of a tet, in the cube of the surface's unit")
+      ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--max-edge", mesh.sizes.max_edge,
+                   "Longest edge inside, in the surface's unit (edges of the surface stay as they are)")
+      ->check(CLI::PositiveNumber);
+  command->add_option(
+      "--size", mesh.sizes.file,
+      "File with a number for each vertex of the surface: the longest edge inside there, 0 for any; "
+      "edges grow with the distance from the surface");
+  command->add_flag("--coarse", mesh.sizes.coarse,
+                    "As few vertices inside as the angle of --improve (and the sizes) allow");
   command->add_option("--save-stages", mesh.save_stages, "Save the intermediate states in this folder");
   command->add_option("--resume", mesh.resume,
                       "Continue from the states that --save-stages left in this folder");

@@ -39,6 +39,10 @@ std::vector<Figure> options_of(const MeshCommand& c, const CommonOptions& common
   if (common.time_limit > 0) o.emplace_back("time_limit", common.time_limit);
   if (common.memory_limit > 0) o.emplace_back("memory_limit", common.memory_limit);
   if (!c.save_surface.empty()) o.emplace_back("save_surface", c.save_surface);
+  if (c.sizes.max_volume > 0) o.emplace_back("max_volume", c.sizes.max_volume);
+  if (c.sizes.max_edge > 0) o.emplace_back("max_edge", c.sizes.max_edge);
+  if (!c.sizes.file.empty()) o.emplace_back("size", c.sizes.file);
+  if (c.sizes.coarse) o.emplace_back("coarse", true);
   if (!c.save_stages.empty()) o.emplace_back("save_stages", c.save_stages);
   if (!c.resume.empty()) o.emplace_back("resume", c.resume);
   return o;
@@ -136,6 +140,9 @@ MeshingOptions meshing_options(const MeshCommand& c) {
                                                   : OnInfeasible::reject;
   o.max_repair_move = c.max_move / 100;
   o.improve_degrees = c.improve_degrees;
+  o.sizes.max_volume = c.sizes.max_volume;
+  o.sizes.max_edge = c.sizes.max_edge;
+  o.sizes.coarse = c.sizes.coarse;
   o.save_stages = c.save_stages;
   o.resume = c.resume;
   return o;
@@ -157,6 +164,19 @@ auto timed(const char* name, StageRecord& record, F&& f) {
   record.seconds = std::chrono::duration<double>(RunContext::Clock::now() - start).count();
   record.cpu_seconds = static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC;
   return result;
+}
+
+// A number for each vertex of the file, as one for each vertex of the cleaned surface.
+Result<std::vector<double>> sizes_of(const InputSurface& input, const std::string& file) {
+  Result<std::vector<double>> given = read_sizes(file);
+  if (!given || input.cleanup.vertex_of.empty()) return given;
+  if (std::ssize(given.value()) != input.given_vertices)
+    return Error{ErrorCode::usage, file + " has " + std::to_string(given.value().size()) +
+                                       " sizes for the file's " + std::to_string(input.given_vertices) +
+                                       " vertices; write one a vertex."};
+  std::vector<double> sizes;
+  for (const Index v : input.cleanup.vertex_of) sizes.push_back(given.value()[v]);
+  return sizes;
 }
 
 // Reads, meshes and writes; `dismiss` is called when everything that takes long is over: a file that has its
@@ -183,7 +203,17 @@ Result<Meshing> make_mesh(const MeshCommand& command, TetFormat format, const Ru
     dismiss();
     return *input.cleanup.problem;
   }
-  Result<Meshing> made = tetrahedralize(input.surface(), meshing_options(command), context, &report);
+  MeshingOptions options = meshing_options(command);
+  if (!command.sizes.file.empty()) {
+    Result<std::vector<double>> sizes = sizes_of(input, command.sizes.file);
+    if (!sizes) {
+      tell();
+      dismiss();
+      return sizes.error();
+    }
+    options.sizes.at_vertex = std::move(sizes).value();
+  }
+  Result<Meshing> made = tetrahedralize(input.surface(), options, context, &report);
   report.stages.insert(report.stages.begin(), read);
   tell();
   dismiss();

@@ -46,7 +46,9 @@ int run(const VerifyCommand& command, const CommonOptions& common, Terminal& ter
       j["quality"] = {{"dihedral_min", q.dihedral_min},
                       {"dihedral_p01", q.dihedral_p01},
                       {"dihedral_max", q.dihedral_max},
-                      {"volume", q.volume}};
+                      {"volume", q.volume},
+                      {"coincident_vertices", q.coincident_vertices},
+                      {"closest_pair", q.closest_pair}};
     std::puts(j.dump(2).c_str());
   } else {
     std::printf("surface   %lld vertices, %lld faces\n", static_cast<long long>(r.surface_vertices),
@@ -59,6 +61,9 @@ int run(const VerifyCommand& command, const CommonOptions& common, Terminal& ter
                   q.dihedral_p01);
     if (!r.branch_edges.empty())
       std::printf("branches  %zu interior edges with two turns or more\n", r.branch_edges.size());
+    if (readable)
+      std::printf("points    %lld coincide, closest pair %.3g of the diagonal (vertices %d and %d)\n",
+                  static_cast<long long>(q.coincident_vertices), q.closest_pair, q.closest[0], q.closest[1]);
     for (const VerifyFailure& f : r.failures) std::printf("FAILED    %s\n", f.message.c_str());
     std::puts(r.ok() ? "accepted" : "rejected");
   }

@@ -22,12 +22,19 @@ struct CommonOptions {
   RunContext context(Terminal& terminal) const;
 };
 
+struct SizeWishes {
+  double max_volume = 0, max_edge = 0;  // in the surface's unit; 0: any
+  std::string file;                     // of sizes of the surface's vertices; empty: none
+  bool coarse = false;
+};
+
 struct MeshCommand {
   std::string input, output, report, format, save_surface, save_stages, resume;
   std::string on_infeasible = "reject", preset = "default";
   double improve_degrees = 17;
   double max_move = 6;  // percent of the diagonal, of a repair
   InputOptions clean;
+  SizeWishes sizes;
 };
 
 struct InspectCommand {

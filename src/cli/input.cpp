@@ -48,6 +48,7 @@ Result<InputSurface> load(const std::string& path, const InputOptions& options, 
   InputSurface input;
   Result<Surface> read = read_surface(path, &input.info, context);
   if (!read) return read.error();
+  input.given_vertices = read.value().V.rows();
   CleanupOptions cleaning;
   cleaning.strict = options.strict;
   cleaning.most_places = options.most_places;

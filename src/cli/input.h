@@ -1,6 +1,7 @@
 // How every command gets its surface: read, and cleaned up.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "overtet/cleanup.h"
@@ -21,6 +22,7 @@ struct InputSurface {
   SurfaceReadInfo info;
   Cleanup cleanup;
   SurfaceSource source;  // of the cleaned surface
+  std::int64_t given_vertices = 0;  // before the clean-up
 
   const Surface& surface() const { return cleanup.surface; }
   // The error's sentence, with the numbers of the file where the surface's are others.

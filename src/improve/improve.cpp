@@ -4,15 +4,20 @@
 #include <atomic>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numeric>
+#include <optional>
+#include <utility>
 
 #include "kernels/core/assertions.h"
 #include "kernels/core/tuning.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
 #include "src/improve/bad_tets.h"
+#include "src/improve/coarsen.h"
 #include "src/improve/passes.h"
 #include "src/improve/refine.h"
+#include "src/improve/sizes.h"
 #include "src/improve/trade.h"
 #include "src/improve/tuning.h"
 #include "src/improve/worst_places.h"
@@ -32,40 +37,81 @@ int parts_for(std::size_t tets, std::int64_t tets_per_part) {
 // For what is shared out without a cut.
 int pieces_for(std::size_t tets) { return std::min(kLeastParts, parts_for(tets, kTetsPerLook)); }
 
-enum class Work { refine, passes, both, look, trade, raise };
+double sine_of(double degrees) { return std::sin(degrees * M_PI / 180); }
+
+enum class Work { thin, shrink, shrink_last, coarsen, refine, passes, both, look, trade, raise };
 
 struct PartResult {
-  std::int64_t refined = 0, traded = 0;
+  std::int64_t thinned = 0, refined = 0, coarsened = 0, traded = 0;
   PassesResult passes;
+  std::vector<LocalSize> sizes;  // of the part's vertices, where they are limited
 };
 
-// loose: of the whole mesh's vertices, see refine(). fresh: the same, see improve_passes(); empty: all.
-PartResult improve_part(MeshPart& part, Work what, std::span<const char> loose, std::span<const char> fresh,
-                        const ImproveOptions& options, const LocalOperations::Price& price, double seconds,
-                        const RunContext& context) {
-  PartResult result;
-  LocalOperations work(part.complex);
-  part.mark_shared(work);
-  if (what == Work::trade || what == Work::raise) {
-    result.traded =
-        fewer_bad(work, price, what == Work::trade ? NewVertices::some : NewVertices::none, context);
-    return result;
-  }
+// What all parts are told.
+struct Orders {
+  Work what;
+  // Of the whole mesh's vertices, see refine() and improve_passes(); empty: all are fresh.
+  std::span<const char> loose, fresh;
+  const ImproveOptions& options;
+  const LocalOperations::Price& price;
+  const SizeField* sizes;  // null: not limited
+  double seconds;
+};
+
+void do_work(LocalOperations& work, const MeshPart& part, const Orders& orders, const RunContext& context,
+             PartResult& result) {
+  const ImproveOptions& options = orders.options;
+  const std::int64_t tets = part.complex.tet_count();
   const auto here = [&](std::span<const char> all) {
     std::vector<char> of_part;
     if (!all.empty())
       for (const Index v : part.vertex) of_part.push_back(all[v]);
     return of_part;
   };
-  if ((what == Work::refine || what == Work::both) && options.radius_edge > 0) {
-    const std::vector<char> loose_here = here(loose);
-    contract_loose(work, loose_here, kLooseQuality, context);
-    result.refined = refine(work, options.radius_edge, loose_here,
-                            kRefinedGrowth * part.complex.tet_count() + 1000, context);
+  switch (orders.what) {
+    case Work::trade:
+      result.traded = fewer_bad(work, orders.price, NewVertices::some, context);
+      return;
+    case Work::raise:
+      result.traded = fewer_bad(work, orders.price, NewVertices::none, context);
+      return;
+    case Work::thin:
+      result.thinned = coarsen(work, kThinnedQuality, Removal::by_contraction, context);
+      return;
+    case Work::coarsen:
+      result.coarsened = coarsen(work, sine_of(options.target_degrees), Removal::by_all_means, context);
+      return;
+    case Work::shrink:
+    case Work::shrink_last:
+      result.refined = make_small(
+          work, orders.what == Work::shrink ? LocalOperations::Splits::roomy : LocalOperations::Splits::all,
+          kGrowthOfRound * tets + 1000, context);
+      return;
+    case Work::refine:
+    case Work::both:
+      if (options.radius_edge > 0) {
+        const std::vector<char> loose = here(orders.loose);
+        contract_loose(work, loose, kLooseQuality, context);
+        result.refined = refine(work, options.radius_edge, loose,
+                                kRefinedGrowth * part.complex.tet_count() + 1000, context);
+      }
+      if (orders.what == Work::refine) return;
+      [[fallthrough]];
+    case Work::passes:
+    case Work::look:
+      result.passes = improve_passes(work, here(orders.fresh), options,
+                                     orders.what == Work::look ? Care::by_all_means : Care::usual,
+                                     orders.seconds, context);
   }
-  if (what != Work::refine)
-    result.passes = improve_passes(work, here(fresh), options,
-                                   what == Work::look ? Care::by_all_means : Care::usual, seconds, context);
+}
+
+PartResult improve_part(MeshPart& part, const Orders& orders, const RunContext& context) {
+  PartResult result;
+  LocalOperations work(part.complex);
+  part.mark_shared(work);
+  if (orders.sizes) work.limit_sizes(orders.sizes->of_part(part));
+  do_work(work, part, orders, context, result);
+  if (orders.sizes) result.sizes = work.limit()->sizes;
   return result;
 }
 
@@ -119,8 +165,6 @@ double radius_edge(const TetMesh& mesh, Index t) {
                                        mesh.V.row(mesh.T(t, 2)), mesh.V.row(mesh.T(t, 3))));
 }
 
-double sine_of(double degrees) { return std::sin(degrees * M_PI / 180); }
-
 double worst_quality(const TetMesh& mesh) {
   return parallel_reduce(
       mesh.T.rows(), kLightGrain, 1.0,
@@ -172,7 +216,9 @@ std::vector<int> weights(const TetMesh& mesh, std::span<const Index> chosen, Wor
 
 void add(ImproveResult& sum, const PartResult& part, std::size_t first_pass) {
   sum.end = std::max(sum.end, part.passes.end);
+  sum.thinned += part.thinned;
   sum.refined += part.refined;
+  sum.coarsened += part.coarsened;
   sum.traded += part.traded;
   const auto& passes = part.passes.passes;
   if (sum.passes.size() < first_pass + passes.size()) sum.passes.resize(first_pass + passes.size());
@@ -211,12 +257,20 @@ class Improver {
     loose_.assign(static_cast<std::size_t>(mesh_.V.rows()), 1);
     std::fill(loose_.begin(), loose_.begin() + mesh_.surface_vertices, 0);
 
+    thin_out();
+    if (options_.sizes.any())
+      if (Status s = begin_sizes(); !s) return s.error();
     const bool cut = parts_for(static_cast<std::size_t>(mesh_.T.rows()), options_.tets_per_part) > 1;
     if (cut && options_.radius_edge > 0) rounds(Work::refine);
     rounds(cut ? Work::passes : Work::both);
+    if (sizes_)
+      if (Status s = end_sizes(); !s) return s.error();
     look_at_worst(cut);
     const bool traded = trade();
     if (!traded && result_.lifted > 0) look_at(Work::passes, sine_of(kLookAgain * options_.target_degrees));
+    if (sizes_)
+      if (Status s = end_sizes(); !s) return s.error();
+    if (options_.coarse) coarsen_all();
     if (context_.cancel && context_.stop()) return *context_.stop();
     result_.after = dihedral_statistics(mesh_.V, mesh_.T);
     result_.seconds = since_begin();
@@ -241,9 +295,10 @@ class Improver {
     for (int p = 0; p < count; ++p) order[p].second = p;
     for (std::size_t i = 0; i < chosen.size(); ++i) order[part_of[chosen[i]]].first -= weight[i];
     std::sort(order.begin(), order.end());
+    const Orders orders{what, loose_, fresh, options_, price_, sizes_ ? &*sizes_ : nullptr, seconds};
     parallel_tasks(count, [&](std::int64_t i) {
       const int p = order[i].second;
-      results[p] = improve_part(parts[p], what, loose_, fresh, options_, price_, seconds, silent_);
+      results[p] = improve_part(parts[p], orders, silent_);
     });
     for (const PartResult& part : results) add(result_, part, first_pass);
     result_.rounds.push_back(count);
@@ -252,6 +307,11 @@ class Improver {
       for (const Index v : part.shared)
         if (char& times = times_shared[part.vertex[v]]; times < 2) ++times;
     const std::vector<Index> number = put_parts(mesh_, part_of, parts);
+    if (sizes_) {
+      std::vector<std::vector<LocalSize>> sizes;
+      for (PartResult& part : results) sizes.push_back(std::move(part.sizes));
+      sizes_->take(number, parts, sizes);
+    }
     std::vector<char> shared(static_cast<std::size_t>(mesh_.V.rows()), 0), still_loose(shared.size(), 0);
     for (std::size_t v = 0; v < number.size(); ++v) {
       if (number[v] < 0) continue;
@@ -260,6 +320,12 @@ class Improver {
     }
     loose_ = std::move(still_loose);
     return shared;
+  }
+
+  std::vector<Index> all_tets() const {
+    std::vector<Index> all(static_cast<std::size_t>(mesh_.T.rows()));
+    std::iota(all.begin(), all.end(), 0);
+    return all;
   }
 
   // How the mesh is cut for the first round.
@@ -281,8 +347,7 @@ class Improver {
 
   // All tets, then what is unfinished around the cuts, until nothing was cut.
   void rounds(Work what) {
-    std::vector<Index> chosen(static_cast<std::size_t>(mesh_.T.rows()));
-    std::iota(chosen.begin(), chosen.end(), 0);
+    std::vector<Index> chosen = all_tets();
     std::vector<int> weight = weights(mesh_, chosen, what, options_);
     std::vector<char> fresh;
     auto [count, mostly_bad] = first_cuts(what, weight);
@@ -312,6 +377,86 @@ class Improver {
     }
   }
 
+  // Where there are far more tets than a good mesh of this surface has: vertices go until that is over.
+  void thin_out() {
+    if (mesh_.T.rows() <= kCrowded * mesh_.surface_vertices) return;
+    context_.report("improve", 0, "thinning out " + std::to_string(mesh_.T.rows()) + " tets");
+    for (int count = parts_for(static_cast<std::size_t>(mesh_.T.rows()), options_.tets_per_part); count > 0;
+         count = count > 1 ? 1 : 0) {
+      const std::vector<Index> chosen = all_tets();
+      const std::vector<int> weight(chosen.size(), 1);
+      round(Work::thin, cut_apart(mesh_, chosen, count, kSlack, weight), count, chosen, weight, {});
+      if (silent_.stop()) return;
+    }
+  }
+
+  // In the end: fewer vertices, as far as the target angle allows. Where the mesh is cut, once more without
+  // cuts.
+  void coarsen_all() {
+    for (int count = parts_for(static_cast<std::size_t>(mesh_.T.rows()), options_.tets_per_part); count > 0;
+         count = count > 1 ? 1 : 0) {
+      if (silent_.stop()) return;
+      context_.report("improve", 0.9, "coarsening " + std::to_string(mesh_.T.rows()) + " tets");
+      const std::vector<Index> chosen = all_tets();
+      const std::vector<int> weight(chosen.size(), 1);
+      round(Work::coarsen, cut_apart(mesh_, chosen, count, kSlack, weight), count, chosen, weight, {});
+    }
+  }
+
+  Status begin_sizes() {
+    sizes_.emplace(mesh_, options_.sizes);
+    result_.fixed_too_long = sizes_->fixed_too_long(mesh_);
+    return shrink(Work::shrink);
+  }
+
+  // What is too large still, or again (the worst places know no limits), and the passes again for what that
+  // takes.
+  Status end_sizes() {
+    for (int again = 0; again < kInVain && !silent_.stop(); ++again) {
+      result_.too_large = static_cast<std::int64_t>(sizes_->too_large(mesh_).size());
+      if (result_.too_large == 0) return success();
+      const std::int64_t before = result_.refined;
+      if (Status s = shrink(Work::shrink_last); !s) return s;
+      if (result_.refined == before) break;
+      look_at(Work::passes, sine_of(options_.target_degrees));
+    }
+    result_.too_large = static_cast<std::int64_t>(sizes_->too_large(mesh_).size());
+    return success();
+  }
+
+  // Rounds over the tets that are too large and what is around them, until none is left that can be made
+  // smaller.
+  Status shrink(Work how) {
+    int most_parts = std::numeric_limits<int>::max();
+    for (int n = 0; n < kMostRounds && !silent_.stop(); ++n) {
+      const std::vector<Index> large = sizes_->too_large(mesh_);
+      if (large.empty()) return success();
+      // The field is known where there are vertices only: asked again as they come.
+      if (const double tets = sizes_->estimate(mesh_); tets > kMostTets)
+        return Error{ErrorCode::usage, "The sizes that are asked for need more than " +
+                                           std::to_string(static_cast<std::int64_t>(kMostTets / 1e6)) +
+                                           " million tets; ask for larger ones."};
+      context_.report(
+          "improve", 0.1,
+          std::to_string(large.size()) + " of " + std::to_string(mesh_.T.rows()) + " tets are too large");
+      std::vector<char> is_large(static_cast<std::size_t>(mesh_.T.rows()), 0);
+      for (const Index t : large) is_large[t] = 1;
+      const std::vector<Index> chosen =
+          kMostlyBad * static_cast<double>(mesh_.T.rows()) < static_cast<double>(large.size())
+              ? all_tets()
+              : around(mesh_, corners_of(mesh_, [&](Index t) { return is_large[t]; }));
+      const int count = std::min(most_parts, parts_for(chosen.size(), options_.tets_per_part));
+      const std::vector<int> weight = sizes_->weights(mesh_, chosen);
+      const std::int64_t before = result_.refined;
+      round(how, cut_apart(mesh_, chosen, count, kSlack, weight), count, chosen, weight, {});
+      if ((result_.refined - before) * kIdlePart > static_cast<std::int64_t>(large.size())) continue;
+      // Hardly anything: what is left lies at the cuts, or nothing can be done about it.
+      if (count == 1) break;
+      most_parts = count / 2;
+    }
+    return success();
+  }
+
   // Tets below this sine wherever they are, with all that is around them.
   void look_at(Work what, double sine) {
     const std::vector<Index> chosen =
@@ -336,6 +481,7 @@ class Improver {
     if (!silent_.stop()) result_.lifted = lift_worst(mesh_, target, silent_);
     // Lifting has numbered vertices anew, and only refinement asks.
     loose_.assign(static_cast<std::size_t>(mesh_.V.rows()), 0);
+    if (sizes_) sizes_->spread(mesh_, options_.sizes);
   }
 
   // Too many bad ones: fewer, be they worse. What is good enough for the target is good. Returns whether
@@ -359,6 +505,7 @@ class Improver {
     mesh_ = before;
     loose_.assign(static_cast<std::size_t>(mesh_.V.rows()), 0);
     result_.traded = 0;
+    if (sizes_) sizes_->spread(mesh_, options_.sizes);
     return false;
   }
 
@@ -369,8 +516,9 @@ class Improver {
   const double budget_;  // seconds
   RunContext silent_;    // without progress, and with this stage's deadline
   ImproveResult result_;
-  std::vector<char> loose_;       // vertices of the inside, as given
-  LocalOperations::Price price_;  // where fewer tets are to be bad
+  std::optional<SizeField> sizes_;  // where they are limited
+  std::vector<char> loose_;         // vertices of the inside, as given
+  LocalOperations::Price price_;    // where fewer tets are to be bad
 };
 
 }  // namespace
@@ -390,6 +538,12 @@ Status ImproveOptions::validate() const {
   if (passes < 0) return Error{ErrorCode::usage, "The number of passes must not be negative."};
   if (!(effort >= 0)) return Error{ErrorCode::usage, "The effort of the quality pass must not be negative."};
   if (tets_per_part < 1) return Error{ErrorCode::usage, "A part of the mesh must have at least one tet."};
+  if (!(sizes.max_volume > 0 && sizes.max_edge > 0))
+    return Error{ErrorCode::usage,
+                 "The largest volume and the longest edge of a tet must be positive numbers."};
+  for (const double size : sizes.at_surface)
+    if (!(size > 0))
+      return Error{ErrorCode::usage, "The sizes at the surface's vertices must be positive numbers."};
   if (!(seconds >= 0)) return Error{ErrorCode::usage, "The time for the quality pass must not be negative."};
   return success();
 }

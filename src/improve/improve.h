@@ -20,6 +20,9 @@
 // break this.)
 #pragma once
 
+#include <Eigen/Core>
+#include <cmath>
+#include <limits>
 #include <vector>
 
 #include "kernels/tet_energy/tet_quality.h"
@@ -28,6 +31,18 @@
 #include "overtet/types.h"
 
 namespace overtet {
+
+// How large tets may be: infinite or empty for no limit. Lengths and volumes in the user's unit: what `unit`
+// times the coordinates is. Where the boundary's own edges are longer, tets get smaller inwards
+// (src/mesh/size_limit.h).
+struct SizeOptions {
+  double max_volume = std::numeric_limits<double>::infinity();
+  double max_edge = std::numeric_limits<double>::infinity();
+  std::vector<double> at_surface;  // of each vertex of the surface: the longest edge there; it grows inwards
+  Eigen::Vector3d unit = Eigen::Vector3d::Ones();
+
+  bool any() const { return std::isfinite(max_volume) || std::isfinite(max_edge) || !at_surface.empty(); }
+};
 
 struct ImproveOptions {
   // Circumradius over shortest edge that refinement aims at; 0: no refinement.
@@ -45,6 +60,8 @@ struct ImproveOptions {
   double effort = 4;
   // A mesh of more than twice as many is cut into parts: two for refinement, eight or more for the passes.
   std::int64_t tets_per_part = 40000;
+  SizeOptions sizes;
+  bool coarse = false;  // in the end as few vertices inside as the target angle (and the sizes) allow
   // Of wall time, where the caller wants one; at most half of what the context has left is used.
   double seconds = 1e9;
 
@@ -62,8 +79,12 @@ struct ImproveResult {
   enum class End { target_reached, no_progress, passes_done, effort_spent, time_over };
   End end = End::target_reached;  // of the part that ended worst
   DihedralStatistics before, after;
-  std::int64_t refined = 0;  // vertices that refinement inserted
-  std::int64_t traded = 0;   // changes that made fewer tets bad (trade.h)
+  std::int64_t thinned = 0;         // vertices that went because the mesh was crowded (coarsen.h)
+  std::int64_t refined = 0;         // vertices that refinement inserted
+  std::int64_t coarsened = 0;       // vertices that went because few were asked for
+  std::int64_t too_large = 0;       // tets that are larger than asked, in spite of all
+  std::int64_t fixed_too_long = 0;  // edges of the boundary that are longer than asked
+  std::int64_t traded = 0;          // changes that made fewer tets bad (trade.h)
   int lifted = 0;  // times that a place with one of the worst tets got better at last (worst_places.h)
   std::vector<ImprovePass>
       passes;               // of all parts together: the n-th passes of a round of parts in one record
@@ -71,6 +92,9 @@ struct ImproveResult {
   double seconds = 0;
 };
 
+// Sizes: before the passes, tets that are too large get new vertices (sizes.h); all that comes after keeps to
+// the limits.
+//
 // Works in place. The surface's vertices keep their numbers; others that no tet needs any more are dropped.
 // Errors: usage (options), interrupted, limit (the context's deadline had passed on entry).
 // pre: every tet positive.

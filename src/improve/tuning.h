@@ -46,6 +46,18 @@ constexpr std::int64_t kRefinedGrowth = 5;
 // Below this quality (3 degrees) vertices inside are taken out where that helps.
 constexpr double kLooseQuality = 0.05;
 
+// --- Coarsening (coarsen.cpp) ---
+
+// A pass in which fewer vertices go than one of so many is the last one.
+constexpr std::int64_t kVerticesPerGone = 200;
+// Tets for each vertex of the surface, beyond which the mesh is crowded. Measured: 3 to 14 in the meshes of
+// scans, characters and CAD models, 200 to 1400 where windings of 5 to 10 come from a few hundred faces.
+constexpr std::int64_t kCrowded = 40;
+// A smallest dihedral sine. Tets that come of thinning out may be this thin, where the old ones were not
+// worse: the fewer vertices are left, the more room the passes have. Measured: .05 leaves twice as many tets,
+// and four times as many bad ones.
+constexpr double kThinnedQuality = 1e-3;
+
 // --- Passes (passes.cpp) ---
 
 // A pass that leaves more than this part of the bad tets calls for stronger means.
@@ -79,6 +91,28 @@ constexpr double kHopeless = 2.5;
 constexpr double kABitMore = 1.0005, kABitLess = 0.998;
 // A pass that changes fewer than one in so many bad tets is the last one.
 constexpr std::int64_t kTetsPerChange = 50;
+
+// --- Sizes (sizes.cpp, improve.cpp) ---
+
+// The volume of a tet where edges are limited to 1, as a rule: they are about .7 long then.
+constexpr double kUsualVolume = 0.035;
+// A tet counts as so many when the mesh is cut, at most: one that spans the model must not be a part of its
+// own.
+constexpr int kMostWeight = 100000;
+// More tets than this are not made: their corners' places would overflow.
+constexpr double kMostTets = 4e8;
+// A round may multiply a part's tets by this: its cuts stay as coarse as they are.
+constexpr std::int64_t kGrowthOfRound = 4;
+
+// --- Distinct points (set_apart.cpp) ---
+
+// Of the mean length of a vertex's edges: nearer to another vertex it must not be. Programs that merge points
+// do so within 1e-8 of the whole, or less.
+constexpr double kApart = 1e-6;
+// How far a vertex steps aside, of the same: the first that keeps its tets. The first one is the largest.
+constexpr double kAside[] = {1e-3, 1e-4, 1e-5, 2e-6};
+// Of the quality of its worst tet: more than this is kept where it can be.
+constexpr double kHairWorse = 0.999;
 
 // --- The worst places (worst_places.cpp) ---
 

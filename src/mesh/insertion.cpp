@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "kernels/core/tet_tables.h"
 #include "kernels/core/tuning.h"
 #include "kernels/core/union_find.h"
 #include "kernels/predicates/predicates.h"
@@ -296,28 +297,62 @@ double LocalOperations::squared_shortest_edge(Index t) const {
                                         mesh_.position(c[3]));
 }
 
-bool LocalOperations::insert_circumcentre(Index t) {
-  const Vector3d x = circumsphere(t).centre;
-  const double room = squared_shortest_edge(t);
-  if (!x.allFinite()) return false;
-
-  // The tet that contains x, in the complex: from tet to tet across faces that x is beyond.
+Index LocalOperations::walk(Index from, const Vector3d& x) const {
+  // In the complex: from tet to tet across faces that x is beyond.
   const auto sees = [&](const Face& f) {
     const Vector3d& a = mesh_.position(f[0]);
     return (mesh_.position(f[1]) - a).cross(mesh_.position(f[2]) - a).dot(x - a) > 0;
   };
-  Index at = t, from = -1;
-  for (int step = 0;; ++step) {
-    if (step == kLongestWalk) return false;
+  Index at = from, before = -1;
+  for (int step = 0; step < kLongestWalk; ++step) {
     Index beyond = at;
     for (int k = 0; k < 4 && beyond == at; ++k)
-      if (const Index u = mesh_.neighbour(at, k); u != from && !sees(inner_face(at, k))) beyond = u;
-    if (beyond < 0) return false;
-    if (beyond == at) break;
-    from = at;
+      if (const Index u = mesh_.neighbour(at, k); u != before && !sees(inner_face(at, k))) beyond = u;
+    if (beyond < 0) return -1;
+    if (beyond == at) return at;
+    before = at;
     at = beyond;
   }
+  return -1;
+}
 
+bool LocalOperations::insert_circumcentre(Index t) {
+  const Vector3d x = circumsphere(t).centre;
+  const double room = squared_shortest_edge(t);
+  if (!x.allFinite()) return false;
+  const Index at = walk(t, x);
+  return at >= 0 && insert_delaunay(t, at, x, room);
+}
+
+bool LocalOperations::make_smaller(Index t, Splits splits) {
+  const auto c = mesh_.tet(t);
+  const SizeLimit::Excess before = excess(t);
+  // Coordinates may be in other units along the axes than lengths: the largest one is on the safe side.
+  const double wanted = limit_->wanted(c) / limit_->unit().maxCoeff();
+  const auto room = [&](double part) { return part * part * wanted * wanted; };
+  if (const Vector3d x = circumsphere(t).centre; x.allFinite())
+    if (const Index at = walk(t, x); at >= 0 && insert_delaunay(t, at, x, room(kCentreRoom))) return true;
+  // Too large for its volume alone: its longest edge, but that may stay.
+  int edge = before.edge;
+  double longest = 0;
+  for (int k = 0; k < 6 && before.edge < 0; ++k) {
+    const Index a = c[kTetEdge[k][0]], b = c[kTetEdge[k][1]];
+    const double length = limit_->length(mesh_.position(a), mesh_.position(b));
+    if (length > longest && !limit_->kept(a, b)) longest = length, edge = k;
+  }
+  if (edge < 0) return false;
+  const Index a = c[kTetEdge[edge][0]], b = c[kTetEdge[edge][1]];
+  const Vector3d middle = (mesh_.position(a) + mesh_.position(b)) / 2;
+  if (insert_delaunay(t, t, middle, room(kMiddleRoom))) return true;
+  if (before.edge < 0 && splits == Splits::roomy) return false;
+  // Where the boundary is near: by itself.
+  mesh_.ring(t, a, b, ring_, link_);
+  const auto roomy = [&](Index v) { return (mesh_.position(v) - middle).squaredNorm() > room(kSplitRoom); };
+  return (splits == Splits::all || std::all_of(link_.begin(), link_.end(), roomy)) &&
+         split_edge(a, b, middle);
+}
+
+bool LocalOperations::insert_delaunay(Index t, Index at, const Vector3d& x, double room) {
   cavity_ = {at};
   const std::uint32_t inside = ++tet_stamp_, near = ++vertex_stamp_;
   tet_mark_[at] = inside;

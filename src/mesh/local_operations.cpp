@@ -110,8 +110,29 @@ bool LocalOperations::respects_shared(const Tets& removed) const {
   return true;
 }
 
+bool LocalOperations::respects_limit(const Tets& removed) const {
+  if (!limit_) return true;
+  double most = 0;
+  for (const auto& c : added_) most = std::max(most, limit_->excess(c, corners_of(c)).factor);
+  if (most <= 1) return true;
+  return std::any_of(removed.begin(), removed.end(), [&](Index t) { return excess(t).factor >= most; });
+}
+
+bool LocalOperations::may_move(Index v, const Vector3d& to) const {
+  if (!limit_) return true;
+  double before = 1, after = 0;
+  for (const Index t : star_) {
+    const auto& c = mesh_.tet(t);
+    auto at = corners_of(c);
+    before = std::max(before, limit_->excess(c, at).factor);
+    at[mesh_.corner(t, v)] = to;
+    after = std::max(after, limit_->excess(c, at).factor);
+  }
+  return after <= before;
+}
+
 bool LocalOperations::commit(const Tets& removed) {
-  if (!respects_shared(removed)) return false;
+  if (!respects_shared(removed) || !respects_limit(removed)) return false;
   mesh_.replace(removed, added_, changed_);
   quality_.resize(mesh_.tet_capacity(), 0);
   tet_mark_.resize(mesh_.tet_capacity(), 0);
@@ -123,7 +144,8 @@ bool LocalOperations::commit(const Tets& removed) {
 
 // ---------------------------------------------------------------------------------------------- splits
 
-Index LocalOperations::new_vertex(const Vector3d& p) {
+Index LocalOperations::new_vertex(const Vector3d& p, std::span<const Index> near) {
+  if (limit_) limit_->add_vertex(p, near, mesh_.positions());
   fixed_.push_back(0);
   vertex_mark_.push_back(0);
   return mesh_.add_vertex(p);
@@ -131,7 +153,10 @@ Index LocalOperations::new_vertex(const Vector3d& p) {
 
 bool LocalOperations::star_of_new_vertex(const std::vector<Face>& faces, const Vector3d& p,
                                          const Tets& removed) {
-  const Index v = new_vertex(p);
+  link_.clear();
+  if (limit_)
+    for (const Face& f : faces) link_.insert(link_.end(), f.begin(), f.end());
+  const Index v = new_vertex(p, link_);
   added_.clear();
   for (const Face& f : faces) added_.push_back({f[0], f[1], f[2], v});
   return commit(removed);
@@ -148,7 +173,8 @@ bool LocalOperations::split_edge(Index a, Index b, const Vector3d& p) {
     if (!(min_dihedral_sine(mesh_.position(a), p, x, y) > 0)) return false;
     if (!(min_dihedral_sine(p, mesh_.position(b), x, y) > 0)) return false;
   }
-  const Index v = new_vertex(p);
+  const std::array<Index, 2> ends{a, b};
+  const Index v = new_vertex(p, ends);
   added_.clear();
   for (std::size_t i = 0; i < n; ++i) {
     added_.push_back({a, v, link_[i], link_[(i + 1) % n]});

@@ -28,6 +28,7 @@
 #include <span>
 #include <vector>
 
+#include "src/mesh/size_limit.h"
 #include "src/mesh/tet_complex.h"
 #include "src/mesh/tuning.h"
 
@@ -61,6 +62,12 @@ class LocalOperations {
   const std::vector<Index>& changed() const { return changed_; }
   // From now on no operation makes an interior edge between two fixed vertices.
   void forbid_fixed_chords() { fixed_chords_ = false; }
+  // From now on no operation makes a tet that is too large, unless it replaces one that is so by as much. The
+  // limit has sizes of all vertices; those of new ones are added.
+  void limit_sizes(SizeLimit limit) { limit_ = std::move(limit); }
+  const std::optional<SizeLimit>& limit() const { return limit_; }
+  // How much too large a tet is. pre: sizes are limited.
+  SizeLimit::Excess excess(Index t) const { return limit_->excess(mesh_.tet(t), corners_of(mesh_.tet(t))); }
   // From now on vertices are placed with more care: twice the time for the last tenths.
   void be_thorough() { thorough_ = true; }
 
@@ -104,6 +111,11 @@ class LocalOperations {
   // in a boundary face's smallest sphere or nearer to a vertex than t's shortest edge is long, and where t
   // would stay. No criterion of quality: what it bounds is the circumradius over the shortest edge.
   bool insert_circumcentre(Index t);
+  // The same where t is too large: a vertex at the centre, or in the middle of the edge that is too long for
+  // it, with the tets around chosen like this or, last, by splitting the edge alone: where that makes no
+  // short edges, or in any case. pre: sizes are limited.
+  enum class Splits { roomy, all };
+  bool make_smaller(Index t, Splits splits);
 
   // Moves the free vertex v so that the worst tet of its star gets better by at least the factor `gain`.
   bool smooth(Index v, double gain = kAnyGain);
@@ -160,7 +172,18 @@ class LocalOperations {
   // Replaces the tets by added_ and keeps the tables; false when what is shared forbids it.
   // pre: every added tet is positive.
   bool commit(const Tets& removed);
-  Index new_vertex(const Eigen::Vector3d& p);
+  // near: vertices around it, for its size.
+  Index new_vertex(const Eigen::Vector3d& p, std::span<const Index> near);
+  std::array<Eigen::Vector3d, 4> corners_of(const TetComplex::Tet& c) const {
+    return {mesh_.position(c[0]), mesh_.position(c[1]), mesh_.position(c[2]), mesh_.position(c[3])};
+  }
+  bool respects_limit(const Tets& removed) const;
+  // v may move there, as far as sizes are limited. pre: star_ is its star.
+  bool may_move(Index v, const Eigen::Vector3d& to) const;
+  // A new vertex at x, in the tet `at`, instead of t and the tets around whose circumspheres contain it; see
+  // insert_circumcentre(). Nothing may be nearer than the root of `room`.
+  bool insert_delaunay(Index t, Index at, const Eigen::Vector3d& x, double room);
+  Index walk(Index from, const Eigen::Vector3d& x) const;  // to the tet that contains x; -1: not found
   // Tets from the faces to a new vertex. pre: it sees their inner sides (commit() would find out).
   bool star_of_new_vertex(const std::vector<Face>& faces, const Eigen::Vector3d& p, const Tets& removed);
   bool respects_shared(const Tets& removed) const;
@@ -228,6 +251,7 @@ class LocalOperations {
   std::vector<Sphere> spheres_;  // empty until one is asked for
   std::vector<char> fixed_;
   std::vector<char> shared_;  // empty: no vertex is shared; 2: pinched
+  std::optional<SizeLimit> limit_;
   bool fixed_chords_ = true;
   bool thorough_ = false;
   Tets changed_, ring_, star_, other_star_, link_, cavity_;

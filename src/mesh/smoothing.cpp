@@ -210,7 +210,7 @@ bool LocalOperations::smooth(Index v, double gain) {
   const double before = worst(star_);
   Vector3d x = mesh_.position(v);
   const double after = optimise(x, before, 6);
-  if (!(after > before * gain)) return false;
+  if (!(after > before * gain) || !may_move(v, x)) return false;
   mesh_.move(v, x);
   refresh(star_);
   changed_ = star_;
@@ -245,7 +245,7 @@ bool LocalOperations::move_towards(Index v, const Vector3d& target) {
       best = x;
     }
   }
-  if (best == from) return false;
+  if (best == from || !may_move(v, best)) return false;
   mesh_.move(v, best);
   refresh(star_);
   changed_ = star_;

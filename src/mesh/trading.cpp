@@ -74,6 +74,7 @@ bool LocalOperations::smooth_cheaper(Index v, const Price& price) {
   if (!(cheapest(x, price) < before - kLeastSaving)) return false;
   for (const Base& b : bases_)
     if (min_dihedral_sine(b.a, b.b, b.c, x) < kSameQuality * b.floor) return false;
+  if (!may_move(v, x)) return false;
   mesh_.move(v, x);
   refresh(star_);
   changed_ = star_;

@@ -28,6 +28,14 @@ constexpr int kLongestWalk = 100;
 // inserted. (All of it leaves too few vertices near the boundary.)
 constexpr double kEncroaching = 0.5;
 
+// Sizes: how much longer edges may become with the distance from where they are to be short; and how much
+// shorter they get with the distance from where the boundary's are long. Both lengths over lengths:
+// neighbours differ by less than a factor of two, and tets between them stay good.
+constexpr double kGrading = 0.4, kShrinking = 0.4;
+// Of the wanted length: a new vertex keeps so far from others, in the centre of a tet, in the middle of an
+// edge, or where that is split by itself. Shorter edges than that make thin tets, which nothing may contract.
+constexpr double kCentreRoom = 0.55, kMiddleRoom = 0.3, kSplitRoom = 0.12;
+
 // Functions within such a factor of the worst steer a climb together with it: tried in this order, all where
 // care is wanted.
 constexpr double kActiveFactor[] = {1.5, 1.1}, kAllFactors[] = {1.5, 1.1, 2.0, 1.25, 1.02};

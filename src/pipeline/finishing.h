@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "overtet/meshing.h"
 #include "overtet/report.h"
 #include "overtet/run_context.h"
 #include "overtet/types.h"
@@ -16,6 +17,7 @@ struct FinishingJob {
   const RunContext& context;
   std::vector<StageRecord>& records;
   bool allow_branches = false;  // VerifyOptions
+  TetSizes sizes = {};  // MeshingOptions
 };
 
 // The mesh improved, in the input's space and checked: every face of the input is a boundary face, every

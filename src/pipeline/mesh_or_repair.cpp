@@ -178,6 +178,10 @@ Result<MeshedSurface> repair_by_parts(const Surface& surface, const std::vector<
   OtherParts others;
   for (const SubSurface& part : parts) {
     const double size = diagonal_of(part.surface) / diagonal;
+    if (!options.sizes.at_vertex.empty()) {
+      own.sizes.at_vertex.clear();
+      for (const Index v : part.vertices) own.sizes.at_vertex.push_back(options.sizes.at_vertex[v]);
+    }
     own.max_repair_move = std::min(1.0, options.max_repair_move / size);
     Report report;
     Result<MeshedSurface> r = mesh_or_repair(part.surface, own, context, report);
@@ -261,10 +265,12 @@ Result<MeshedSurface> repair_whole(const Surface& surface, const MeshingOptions&
   if (!repaired) return repaired.error();
   RepairedMesh& r = repaired.value();
   if (Status s = opened_wide(job, r); !s) return s.error();
-  const bool good_already =
-      r.state == RepairedMesh::State::finished && options.improve_degrees <= kAttemptDegrees;
-  Result<TetMesh> mesh = finish_given(
-      {r.surface, good_already ? 0 : options.improve_degrees, context, records}, std::move(r.mesh));
+  const bool good_already = r.state == RepairedMesh::State::finished &&
+                            options.improve_degrees <= kAttemptDegrees && !options.sizes.any() &&
+                            !options.sizes.coarse;
+  FinishingJob last{r.surface, good_already ? 0 : options.improve_degrees, context, records};
+  last.sizes = options.sizes;
+  Result<TetMesh> mesh = finish_given(last, std::move(r.mesh));
   if (!mesh) return mesh.error();
   Result<TetMesh> settled = with_room_at_moved(job, measured(job, std::move(mesh).value()));
   if (!settled) return settled.error();

@@ -1,8 +1,10 @@
 #include "src/pipeline/pipeline.h"
 
 #include <chrono>
+#include <cmath>
 #include <exception>
 #include <new>
+#include <string>
 #include <utility>
 
 #include "kernels/parallel/parallel.h"
@@ -80,6 +82,17 @@ Status MeshingOptions::validate() const {
         ErrorCode::usage,
         "Stages are saved and resumed of the surface as it was read only: they do not go together with "
         "refining it or with branch lines."};
+  const auto good = [](double x) { return x >= 0 && std::isfinite(x); };
+  if (!good(sizes.max_volume) || !good(sizes.max_edge))
+    return Error{ErrorCode::usage,
+                 "The largest volume and the longest edge of a tet must be positive numbers, or 0 for any."};
+  for (std::size_t v = 0; v < sizes.at_vertex.size(); ++v)
+    if (!(sizes.at_vertex[v] > 0))
+      return Error{ErrorCode::usage, "The size at vertex " + std::to_string(v) +
+                                         " (counted from 0) must be a positive number, or infinite for any."};
+  if (improve_degrees == 0 && (sizes.any() || sizes.coarse))
+    return Error{ErrorCode::usage,
+                 "Sizes are made by the quality pass; do not leave it out (its angle must not be 0)."};
   return success();
 }
 
@@ -88,6 +101,14 @@ PipelineResult run_pipeline(const Surface& surface, const MeshingOptions& option
   const auto start = RunContext::Clock::now();
   if (Status s = options.validate(); !s) {
     fail(s.error(), result);
+    return result;
+  }
+  if (const auto given = options.sizes.at_vertex.size();
+      given > 0 && given != static_cast<std::size_t>(surface.V.rows())) {
+    fail({ErrorCode::usage, "There are " + std::to_string(given) + " sizes for " +
+                                std::to_string(surface.V.rows()) +
+                                " vertices of the surface; give one for each, in their order."},
+         result);
     return result;
   }
   RunMonitor watch(outer);

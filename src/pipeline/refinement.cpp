@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -158,7 +159,10 @@ class SubdivisionSearch {
     context_.note(LogLevel::info,
                   "Subdivision: " + std::to_string(made.cut.pieced.size()) + " faces subdivided.");
     std::vector<StageRecord> own;
-    SurfaceRun run(made.cut.surface, {SurfaceRunSetup::Origin::refined}, options_, context_, own);
+    MeshingOptions options = options_;
+    if (!options.sizes.at_vertex.empty())  // any size at what was added
+      options.sizes.at_vertex.resize(made.cut.surface.V.rows(), std::numeric_limits<double>::infinity());
+    SurfaceRun run(made.cut.surface, {SurfaceRunSetup::Origin::refined}, options, context_, own);
     Result<TetMesh> mesh = run.go();
     if (mesh) {
       made.mesh = std::move(mesh).value();

@@ -21,6 +21,7 @@ namespace {
 MeshingOptions options_of_attempts(const RepairJob& job) {
   MeshingOptions options = job.options;
   options.improve_degrees = kAttemptDegrees;
+  options.sizes = {};
   options.resume.clear();  // its states are the input's
   return options;
 }

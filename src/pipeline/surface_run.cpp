@@ -151,7 +151,8 @@ Result<TetMesh> SurfaceRun::finish_saved() {
 Result<TetMesh> SurfaceRun::finish(TetMesh mesh) {
   if (save_)
     if (Status s = save_->save("mapped", mesh); !s) return s.error();
-  return overtet::finish({input_, options_.improve_degrees, context_, records_}, found_.box, std::move(mesh));
+  return overtet::finish({input_, options_.improve_degrees, context_, records_, options_.sizes}, found_.box,
+                         std::move(mesh));
 }
 
 Status SurfaceRun::open_files() {

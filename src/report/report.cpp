@@ -120,7 +120,9 @@ std::string to_json(const Report& r) {
                     {"dihedral_min", r.quality->dihedral_min},
                     {"dihedral_p01", r.quality->dihedral_p01},
                     {"dihedral_max", r.quality->dihedral_max},
-                    {"volume", r.quality->volume}};
+                    {"volume", r.quality->volume},
+                    {"coincident_vertices", r.quality->coincident_vertices},
+                    {"closest_pair", r.quality->closest_pair}};
   j["seconds"] = r.seconds;
   j["peak_rss_bytes"] = r.peak_rss_bytes;
   j["result_hash"] = r.result_hash.empty() ? Json() : Json(r.result_hash);

@@ -7,6 +7,7 @@
 
 #include "kernels/core/assertions.h"
 #include "kernels/core/indices.h"
+#include "kernels/near_points/near_points.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
 #include "overtet/verification.h"
@@ -92,6 +93,11 @@ TetQuality tet_quality(const TetMesh& mesh, const RunContext& context) {
   q.dihedral_min = degrees(all.high);
   q.dihedral_max = degrees(all.low);
   q.volume = all.volume;
+  const NearPoints::Closest closest = NearPoints(mesh.V).closest();
+  const double diagonal = (mesh.V.colwise().maxCoeff() - mesh.V.colwise().minCoeff()).stableNorm();
+  q.coincident_vertices = closest.coincident;
+  q.closest_pair = closest.distance / diagonal;
+  q.closest = {closest.a, closest.b};
   return q;
 }
 

@@ -36,6 +36,34 @@ TEST(Api, MeshesASurfaceThatPassesThroughItself) {
   EXPECT_NE(to_json(report).find(m.hash), std::string::npos);
 }
 
+TEST(Api, VerticesOfDifferentLayersAreNotInOnePlace) {
+  const Surface s = test::curled_worm();
+  for (const double degrees : {17.0, 0.0}) {
+    MeshingOptions options;
+    options.improve_degrees = degrees;
+    const Result<Meshing> r = tetrahedralize(s, options);
+    ASSERT_TRUE(r.ok()) << r.error().message;
+    EXPECT_EQ(r.value().quality.coincident_vertices, 0);
+    EXPECT_GT(r.value().quality.closest_pair, 1e-9);
+  }
+}
+
+TEST(Api, SizesAreCheckedAndKept) {
+  const Surface s = test::curled_worm();
+  MeshingOptions options;
+  options.sizes.max_edge = -1;
+  EXPECT_EQ(options.validate().error().code, ErrorCode::usage);
+  options.sizes = {};
+  options.sizes.at_vertex = {1, 2};
+  EXPECT_EQ(tetrahedralize(s, options).error().code, ErrorCode::usage);
+  const double size = (s.V.colwise().maxCoeff() - s.V.colwise().minCoeff()).norm() / 20;
+  options.sizes.at_vertex.assign(static_cast<std::size_t>(s.V.rows()), size);
+  const Result<Meshing> r = tetrahedralize(s, options), plain = tetrahedralize(s);
+  ASSERT_TRUE(r.ok() && plain.ok());
+  EXPECT_TRUE(verify(s, r.value().mesh).ok());
+  EXPECT_GE(r.value().mesh.T.rows(), plain.value().mesh.T.rows());
+}
+
 TEST(Api, ThreadsDoNotChangeTheResult) {
   const Surface s = test::two_spheres();
   RunContext one, three;

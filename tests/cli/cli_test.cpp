@@ -102,8 +102,10 @@ TEST_F(Cli, MeshesACleanSurface) {
     stages.push_back(s["name"]);
     EXPECT_TRUE(s["seconds"].is_number() && s["cpu_seconds"].is_number() && s["iterations"].is_number());
   }
-  EXPECT_EQ(stages, (std::vector<std::string>{"read", "diagnose", "tet_mesh", "improve", "verify", "measure",
-                                              "write"}));
+  EXPECT_EQ(stages, (std::vector<std::string>{"read", "diagnose", "tet_mesh", "improve", "set_apart", "verify",
+                                              "measure", "write"}));
+  EXPECT_EQ(j["quality"]["coincident_vertices"], 0);
+  EXPECT_GT(j["quality"]["closest_pair"], 1e-6);
 
   EXPECT_EQ(run("verify " + in + " " + folder_.file("o.mesh")).exit_code, 0);
   const ShellResult other =
@@ -114,6 +116,41 @@ TEST_F(Cli, MeshesACleanSurface) {
   const ShellResult quiet = run("mesh " + in + " -q -o " + folder_.file("o.vtu"));
   EXPECT_EQ(quiet.exit_code, 0);
   EXPECT_EQ(quiet.err, "");
+}
+
+TEST_F(Cli, Sizes) {
+  const std::string in = save("a.off", test::sphere(3)), out = folder_.file("o.mesh");
+  const auto tets = [&](const std::string& options) {
+    const ShellResult r =
+        run("mesh " + in + " -o " + out + " --report " + folder_.file("r.json") + " " + options);
+    EXPECT_EQ(r.exit_code, 0) << options << r.err;
+    EXPECT_EQ(run("verify " + in + " " + out).exit_code, 0) << options;
+    return report("r.json")["quality"]["tets"].get<int>();
+  };
+  const int plain = tets("");
+  EXPECT_GT(tets("--max-edge 0.2"), plain);
+  EXPECT_EQ(report("r.json")["options"]["max_edge"], 0.2);
+  EXPECT_GT(tets("--max-volume 1e-3"), plain);
+  EXPECT_LE(tets("--coarse"), plain);
+  const std::size_t vertices = report("r.json")["input"]["vertices"];
+  const std::string file = folder_.file("sizes.txt");
+  std::string numbers = "# of each vertex\n";
+  for (std::size_t v = 0; v < vertices; ++v) numbers += v % 2 ? "0\n" : "0.2 ";
+  test::write_text(file, numbers);
+  EXPECT_GT(tets("--size " + file), plain);
+
+  const auto fails = [&](const std::string& options, int code) {
+    const ShellResult r = run("mesh " + in + " -o " + out + " " + options);
+    EXPECT_EQ(r.exit_code, code) << options;
+    expect_one_line(r);
+  };
+  fails("--max-edge 0", 2);
+  fails("--max-edge 1 --improve 0", 2);
+  fails("--size " + folder_.file("none.txt"), 7);
+  test::write_text(file, "0.1 -2");
+  fails("--size " + file, 3);
+  test::write_text(file, "0.1 0.1");
+  fails("--size " + file, 2);
 }
 
 TEST_F(Cli, AReportThatIsNotValidIsNoticed) {

@@ -319,5 +319,19 @@ TEST(Verify, AllowsBranchLinesOnlyOnRequest) {
   EXPECT_TRUE(verify(moved.surface, moved.mesh, options).fails(Rule::R2));
 }
 
+TEST(Quality, CountsVerticesInOnePlaceAndFindsTheClosestTwo) {
+  Example e = grid(2);
+  const double diagonal = std::sqrt(3.0) * (e.mesh.V.maxCoeff() - e.mesh.V.minCoeff());
+  const TetQuality apart = tet_quality(e.mesh);
+  EXPECT_EQ(0, apart.coincident_vertices);
+  EXPECT_NEAR(apart.closest_pair,
+              (e.mesh.V.row(apart.closest[0]) - e.mesh.V.row(apart.closest[1])).norm() / diagonal, 1e-12);
+  e.mesh.V.row(3) = e.mesh.V.row(11);
+  e.mesh.V.row(5) = e.mesh.V.row(11);
+  const TetQuality q = tet_quality(e.mesh);
+  EXPECT_EQ(3, q.coincident_vertices);
+  EXPECT_EQ(0, q.closest_pair);
+}
+
 }  // namespace
 }  // namespace overtet
