@@ -60,8 +60,10 @@ Status OpeningOptions::validate() const {
     return Error{ErrorCode::usage, "target_degrees must be above 0 and below 60."};
   if (!(usable_degrees > 0 && usable_degrees <= target_degrees))
     return Error{ErrorCode::usage, "usable_degrees must be above 0 and not above target_degrees."};
-  if (!(most_tets >= 1 && power > 0) || home_halvings < 1)
-    return Error{ErrorCode::usage, "most_tets and home_halvings must be at least 1, and power positive."};
+  if (!(most_tets >= 1 && power > 0 && first_cut > 0 && first_cut < 1) || home_halvings < 1)
+    return Error{
+        ErrorCode::usage,
+        "most_tets and home_halvings must be at least 1, power positive, and first_cut between 0 and 1."};
   if (!(largest_move > 0)) return Error{ErrorCode::usage, "largest_move must be positive."};
   if (!(edges > 0 && further > 0)) return Error{ErrorCode::usage, "edges and further must be positive."};
   if (!(growth > 1)) return Error{ErrorCode::usage, "growth must be above 1."};

@@ -52,6 +52,7 @@ struct OpeningOptions {
   double usable_degrees = 5;  // that is where the least angle stays below this
   double most_tets = 1.5;     // times those that there were: no more are made by new vertices
   double power = 6;           // of one over the sines; larger ones see the worst only, but lock earlier
+  double first_cut = 0.6;     // of the largest move: what is left when moves are first cut back
   // In the end vertices go home, or nearer to it, where no tet becomes worse than the target: so many times
   // each at most, and ever shorter ways. 0: none does.
   int home_sweeps = 30;

@@ -225,7 +225,7 @@ class PlaceOpening {
   // All moves cut back to one length, the least that is found that leaves as much room.
   void come_nearer() {
     const Room floor = room(operations());
-    for (double part = kFirstCut; part * options_.gain < 1 && !context_.stop();) {
+    for (double part = options_.first_cut; part * options_.gain < 1 && !context_.stop();) {
       const TetComplex before = mesh_;
       const double reach = part * farthest();
       LocalOperations work = operations();

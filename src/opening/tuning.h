@@ -3,8 +3,6 @@
 
 namespace overtet {
 
-// What is left of the largest move, at first, when moves are cut back.
-constexpr double kFirstCut = 0.6;
 // Of what is wanted: tets worse than that leave no room for others to get worse.
 constexpr double kRoomAbove = 1.5;
 
