@@ -25,6 +25,13 @@ namespace overtet {
 
 namespace {
 
+// With any size at the vertices that were added.
+TetSizes sizes_of(const Surface& refined, TetSizes sizes) {
+  if (!sizes.at_vertex.empty())
+    sizes.at_vertex.resize(refined.V.rows(), std::numeric_limits<double>::infinity());
+  return sizes;
+}
+
 using Link = CoveredNetwork::Link;
 
 // Looks for a subdivision that has a mesh.
@@ -40,6 +47,7 @@ class SubdivisionSearch {
         context_(context) {
     options_.on_infeasible = OnInfeasible::reject;
     options_.improve_degrees = 0;
+    options_.sizes = {};
   }
 
   // None: not found. why: of the surface as it is. The records of the attempt that led to it are kept.
@@ -159,10 +167,7 @@ class SubdivisionSearch {
     context_.note(LogLevel::info,
                   "Subdivision: " + std::to_string(made.cut.pieced.size()) + " faces subdivided.");
     std::vector<StageRecord> own;
-    MeshingOptions options = options_;
-    if (!options.sizes.at_vertex.empty())  // any size at what was added
-      options.sizes.at_vertex.resize(made.cut.surface.V.rows(), std::numeric_limits<double>::infinity());
-    SurfaceRun run(made.cut.surface, {SurfaceRunSetup::Origin::refined}, options, context_, own);
+    SurfaceRun run(made.cut.surface, {SurfaceRunSetup::Origin::refined}, options_, context_, own);
     Result<TetMesh> mesh = run.go();
     if (mesh) {
       made.mesh = std::move(mesh).value();
@@ -275,7 +280,8 @@ Result<RefinedMesh> mesh_refined(const Surface& surface, const Diagnosis& diagno
                                      .improve_degrees = options.improve_degrees,
                                      .context = context,
                                      .records = records,
-                                     .allow_branches = branch},
+                                     .allow_branches = branch,
+                                     .sizes = sizes_of(of, options.sizes)},
                                     box.value(), std::move(mesh));
   if (!finished) return finished.error();
   RefinedMesh out{{}, std::move(finished).value(), {}};
