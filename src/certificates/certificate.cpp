@@ -31,11 +31,7 @@ const char* rule_name(const Certificate& certificate) {
 }
 
 bool forbids_branch_lines(const Certificate& certificate) {
-  return std::holds_alternative<WindingCertificate>(certificate) ||
-         std::holds_alternative<VertexCertificate>(certificate) ||
-         std::holds_alternative<FoldCertificate>(certificate) ||
-         std::holds_alternative<StackCertificate>(certificate) ||
-         std::holds_alternative<CustomCertificate>(certificate);
+  return std::visit([](const auto& c) { return rules::forbids_branch_lines(c); }, certificate);
 }
 
 std::string explain(const Certificate& certificate) {

@@ -546,6 +546,36 @@ std::vector<NetworkLink> pulled_tight(const Surface& surface, const SurfaceTopol
   return out;
 }
 
+std::vector<NetworkLink> without_loops(const Surface& surface, const std::vector<NetworkLink>& links) {
+  std::map<Index, std::vector<std::size_t>> at;
+  for (std::size_t i = 0; i < links.size(); ++i)
+    for (const Index v : {links[i].a, links[i].b}) at[v].push_back(i);
+  const auto passes = [&](Index v) { return v >= surface.V.rows() && at.at(v).size() == 2; };
+  std::vector<char> seen(links.size(), 0);
+  std::map<std::pair<Index, Index>, std::vector<std::size_t>> chains;  // by their ends
+  for (const auto& [start, mine] : at) {
+    if (passes(start)) continue;
+    for (const std::size_t first : mine) {
+      std::vector<std::size_t> chain;
+      Index v = start;
+      for (std::size_t i = first; !seen[i];) {
+        seen[i] = 1;
+        chain.push_back(i);
+        v = links[i].a == v ? links[i].b : links[i].a;
+        if (!passes(v)) break;
+        i = at.at(v)[0] == i ? at.at(v)[1] : at.at(v)[0];
+      }
+      if (chain.empty() || v == start) continue;
+      std::vector<std::size_t>& best = chains[std::minmax(start, v)];
+      if (best.empty() || chain.size() < best.size()) best = std::move(chain);
+    }
+  }
+  std::vector<NetworkLink> out;
+  for (const auto& [ends, chain] : chains)
+    for (const std::size_t i : chain) out.push_back(links[i]);
+  return out;
+}
+
 Additions additions(const Surface& surface, const CoveredNetwork& network,
                     const std::vector<NetworkLink>& links) {
   const Index n = static_cast<Index>(surface.V.rows());

@@ -64,6 +64,11 @@ std::vector<CoveredNetwork::Link> pulled_tight(const Surface& surface, const Sur
                                                const CoveredNetwork& network,
                                                const std::vector<CoveredNetwork::Link>& links);
 
+// The same links without chains that end where they begin, and with one of those that have both ends in
+// common, that of the fewest links.
+std::vector<CoveredNetwork::Link> without_loops(const Surface& surface,
+                                                const std::vector<CoveredNetwork::Link>& links);
+
 // What makes links edges of a surface: points, edges, and the node that each point is.
 struct Additions {
   std::vector<FacePoint> points;

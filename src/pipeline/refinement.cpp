@@ -121,11 +121,15 @@ class SubdivisionSearch {
         for (const Index u : surface_.F.row(cut->points[static_cast<std::size_t>(v - n)].face)) spot(u);
     };
     for (const Index v : named_vertices(certificate)) add(v);
-    if (const auto* gluing = std::get_if<GluingCertificate>(&certificate)) {
-      for (const auto& crossing : gluing->crossings)
-        for (const Index f : crossing.faces) add_face(f);
-      for (const auto& e : gluing->edges) add(e[0]), add(e[1]);
-    }
+    std::visit(
+        [&](const auto& c) {
+          if constexpr (requires { c.crossings; })
+            for (const auto& crossing : c.crossings)
+              for (const Index f : crossing.faces) add_face(f);
+          if constexpr (requires { c.edges; })
+            for (const auto& e : c.edges) add(e[0]), add(e[1]);
+        },
+        certificate);
   }
 
   // The same with only those links that were wound, and fewer nodes on them, where that has a mesh, too.
@@ -143,14 +147,18 @@ class SubdivisionSearch {
     for (const Link& l : links)
       if (wound.count(std::minmax({l.a, l.b}))) used.push_back(l);
     const std::vector<Link> tight = pulled_tight(surface_, topology_, network_, used);
-    if (tight.size() >= used.size()) return std::optional(std::move(made));
-    ++record.iterations;
-    std::vector<StageRecord> own;
-    Result<std::optional<MeshedSubdivision>> fewer = attempt(tight, own);
-    if (!fewer) return fewer;
-    if (!fewer.value()) return std::optional(std::move(made));
-    records = std::move(own);
-    return fewer;
+    const std::vector<Link> open = without_loops(surface_, tight);
+    for (const std::vector<Link>* few : {&open, &tight}) {
+      if (few->size() >= used.size() || (few == &tight && open.size() == tight.size())) continue;
+      ++record.iterations;
+      std::vector<StageRecord> own;
+      Result<std::optional<MeshedSubdivision>> fewer = attempt(*few, own);
+      if (!fewer) return fewer;
+      if (!fewer.value()) continue;
+      records = std::move(own);
+      return fewer;
+    }
+    return std::optional(std::move(made));
   }
 
   Result<std::optional<MeshedSubdivision>> attempt(const std::vector<Link>& links,

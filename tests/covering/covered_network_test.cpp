@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "src/arrangement/intersection_graph.h"
 #include "src/certificates/diagnose.h"
 #include "src/exact/winding.h"
@@ -74,6 +76,29 @@ TEST(CoveredNetwork, JoinsHingesThatNoEdgesPair) {
       EXPECT_TRUE(d.wound.odd_groups.empty()) << "elbow " << i;
     }
   }
+}
+
+TEST(CoveredNetwork, LeavesOutLoopsAndTheLongerOfTwoWays) {
+  const Surface s = test::sphere(1);
+  const Index n = static_cast<Index>(s.V.rows());
+  const auto chain = [](std::vector<CoveredNetwork::Link>& to, const std::vector<Index>& nodes) {
+    for (std::size_t i = 1; i < nodes.size(); ++i) to.push_back({nodes[i - 1], nodes[i], 0, 1});
+  };
+  std::vector<CoveredNetwork::Link> kept, all;
+  chain(kept, {0, n, 1});      // from vertex to vertex
+  chain(kept, {3, n + 1, 4});  // the shorter way
+  chain(kept, {4, n + 2});     // ends in a face
+  all = kept;
+  chain(all, {3, n + 3, n + 4, 4});          // the longer way
+  chain(all, {2, n + 5, n + 6, 2});          // back to where it began
+  chain(all, {n + 7, n + 8, n + 9, n + 7});  // without a beginning
+  const auto keys = [](const std::vector<CoveredNetwork::Link>& links) {
+    std::set<std::pair<Index, Index>> out;
+    for (const CoveredNetwork::Link& l : links) out.insert(std::minmax({l.a, l.b}));
+    return out;
+  };
+  EXPECT_EQ(keys(without_loops(s, all)), keys(kept));
+  EXPECT_EQ(keys(without_loops(s, kept)), keys(kept));
 }
 
 TEST(CoveredNetwork, IsEmptyWhereNothingIsCovered) {
