@@ -26,6 +26,13 @@
 
 namespace overtet {
 
+// A face without area: its corners lie on one line, and no tet with volume can have it as a face.
+struct AreaCertificate {
+  std::int32_t face = -1;
+  std::vector<std::int32_t> vertices;            // its corners
+  std::vector<std::array<double, 3>> positions;  // of each
+};
+
 // A point of negative winding number. Positive tets only ever add to it.
 struct WindingCertificate {
   std::array<double, 3> point{};     // the nearest doubles
@@ -124,9 +131,10 @@ struct CustomCertificate {
 
 // In the order in which the rules are tried: the first that objects decides. Certificates that the library
 // hands out have an entry of each list for each vertex; those that you make must, too.
-using Certificate = std::variant<WindingCertificate, VertexCertificate, FoldCertificate, StackCertificate,
-                                 UnpairedCertificate, CrowdedCertificate, LinkCertificate, SharedCertificate,
-                                 SeparatedCertificate, GluingCertificate, CustomCertificate>;
+using Certificate =
+    std::variant<AreaCertificate, WindingCertificate, VertexCertificate, FoldCertificate, StackCertificate,
+                 UnpairedCertificate, CrowdedCertificate, LinkCertificate, SharedCertificate,
+                 SeparatedCertificate, GluingCertificate, CustomCertificate>;
 
 // Whether it forbids branch lines and subdivided faces, too: w < 0 and B0 < 0 do whatever happens inside. The
 // others rest on the one turn around every interior edge, or on where the surface has edges; a mesh with

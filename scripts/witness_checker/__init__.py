@@ -8,6 +8,8 @@ because a tool is missing or its answer does not hold. Python needs numpy (Debia
 
 Witnesses:
 
+  {"rule": "area", "face": f, "vertices": [a, b, c]}
+                                        the face has no area
   {"point": [x, y, z], "winding": w}    the surface winds around the point a negative number of times;
                                         positive tets can only add to that number
   {"vertex": v, "B0": b}                the integer B0 of the vertex is negative

@@ -5,9 +5,10 @@ import json
 from .errors import Unreadable
 from .files import read_surface
 from .geometry.surface import Surface
-from .rules import crowded, fold, gluing, link, shared, stack, unpaired, vertex, winding
+from .rules import area, crowded, fold, gluing, link, shared, stack, unpaired, vertex, winding
 
 RULES = {
+    "area": area,
     "winding": winding,
     "vertex": vertex,
     "fold": fold,

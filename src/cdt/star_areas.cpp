@@ -24,6 +24,19 @@ struct Plane {
   Vector3d normal, point;
 };
 
+struct Shape {
+  bool needle;
+  double height;  // over the longest side
+};
+
+Shape shape_of(const Surface& s, Index f) {
+  const Vector3d a = s.V.row(s.F(f, 0)), b = s.V.row(s.F(f, 1)), c = s.V.row(s.F(f, 2));
+  std::array<double, 3> side{(b - a).norm(), (c - b).norm(), (a - c).norm()};
+  std::sort(side.begin(), side.end());
+  const double area = (b - a).cross(c - a).norm();
+  return {area<kThinFace * side[1] * side[2], side[2]> 0 ? area / side[2] : 0};
+}
+
 class AreaFinder {
  public:
   AreaFinder(const Surface& s, const SurfaceTopology& topology, const RunContext& context)
@@ -34,12 +47,9 @@ class AreaFinder {
     place_.assign(n, kNowhere);
     size_ = (s.V.colwise().maxCoeff() - s.V.colwise().minCoeff()).norm();
     for (Index f = 0; f < s.F.rows(); ++f) {
-      std::array<double, 3> side;
-      for (int k = 0; k < 3; ++k) side[k] = (corner(f, k) - corner(f, k + 1)).norm();
-      std::sort(side.begin(), side.end());
-      const double area = doubled_area(f).norm();
-      needle_[f] = area < kThinFace * side[1] * side[2];
-      height_[f] = side[2] > 0 ? area / side[2] : 0;
+      const Shape shape = shape_of(s, f);
+      needle_[f] = shape.needle;
+      height_[f] = shape.height;
     }
   }
 
@@ -48,7 +58,6 @@ class AreaFinder {
     std::vector<Index> order;
     for (Index f = 0; f < s_.F.rows(); ++f)
       if (needle_[f]) order.push_back(f);
-    if (static_cast<std::int64_t>(order.size()) <= kFewNeedles) return std::move(areas_);
     std::stable_sort(order.begin(), order.end(), [&](Index f, Index g) { return height_[f] > height_[g]; });
     for (const Index seed : order) {
       if (auto stop = context_.stop()) return *stop;
@@ -272,6 +281,9 @@ class AreaFinder {
 }  // namespace
 
 Result<std::vector<StarArea>> find_star_areas(const Surface& surface, const RunContext& context) {
+  std::int64_t needles = 0;
+  for (Index f = 0; f < surface.F.rows(); ++f) needles += shape_of(surface, f).needle;
+  if (needles <= kFewNeedles) return std::vector<StarArea>();
   const Result<SurfaceTopology> topology = require_topology(surface);
   if (!topology) return topology.error();
   return AreaFinder(surface, topology.value(), context).run();

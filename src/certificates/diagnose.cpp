@@ -19,10 +19,11 @@ std::string count(std::size_t n, const char* one, const char* many) {
   return std::to_string(n) + " " + (n == 1 ? one : many);
 }
 
-// The first of the rules that objects, among those that are tried on request or the others.
-Status try_rules(rules::Case& c, const std::vector<rules::Rule>& list, bool on_request, Diagnosis& d) {
+// The first that objects of the rules that are wanted.
+template <class Wanted>
+Status try_rules(rules::Case& c, const std::vector<rules::Rule>& list, Wanted&& wanted, Diagnosis& d) {
   for (const rules::Rule& rule : list) {
-    if (rule.on_request != on_request) continue;
+    if (!wanted(rule)) continue;
     rules::Finding found = rule.find(c);
     if (!found.ok()) return found.error();
     if (!found.value()) continue;
@@ -81,17 +82,6 @@ void conclude(Diagnosis& d) {
   }
 }
 
-std::string what_is_malformed(const Surface& surface, const Facts& facts) {
-  if (!facts.topology.ok()) return facts.topology.problems.front();
-  const Index f = facts.degenerate_faces.front();
-  return "Face " + std::to_string(f) + " (vertices " + std::to_string(surface.F(f, 0)) + ", " +
-         std::to_string(surface.F(f, 1)) + ", " + std::to_string(surface.F(f, 2)) +
-         ", counted from 0) has no area, so no tet with volume can have it as a face" +
-         (facts.degenerate_faces.size() > 1
-              ? "; " + std::to_string(facts.degenerate_faces.size()) + " faces have none."
-              : ".");
-}
-
 template <class C>
 bool holds(const Diagnosis& d) {
   return d.certificate && std::holds_alternative<C>(*d.certificate);
@@ -101,10 +91,11 @@ void advise(Diagnosis& d) {
   const auto say = [&](std::string text) { d.advice.push_back(std::move(text)); };
   if (d.verdict == Verdict::bad_input) {
     for (const std::string& problem : d.topology.problems) say(problem);
-    if (!d.degenerate_faces.empty())
-      say("Move a corner of each face without area, or collapse the shortest edge of the face.");
     return;
   }
+  if (!d.degenerate_faces.empty())
+    say("Move a corner of each face without area (" + std::to_string(d.degenerate_faces.size()) +
+        " in all), or collapse the shortest edge of the face.");
   for (std::size_t c = 0; c < d.component_volume.size(); ++c)
     if (d.component_volume[c] < 0)
       say("Component " + std::to_string(c) + " (face " +
@@ -172,8 +163,16 @@ Result<Diagnosis> diagnose(const Surface& surface, const DiagnoseOptions& option
   const ScopedThreads threads(context.threads);
   Diagnosis d;
   static_cast<Facts&>(d) = check_shape(surface);
+  if (!d.topology.ok()) {
+    d.message = d.topology.problems.front();
+    advise(d);
+    return d;
+  }
   if (!d.well_formed()) {
-    d.message = what_is_malformed(surface, d);
+    rules::Case c(surface, d, context);
+    const auto of_shape = [](const rules::Rule& rule) { return rule.of_shape; };
+    if (Status s = try_rules(c, options.rules, of_shape, d); !s.ok()) return s.error();
+    conclude(d);
     advise(d);
     return d;
   }
@@ -183,7 +182,10 @@ Result<Diagnosis> diagnose(const Surface& surface, const DiagnoseOptions& option
   {
     const Stopwatch time(d.times.wound_edges);
     rules::Case c(sized.surface(), d, context);
-    if (Status s = try_rules(c, options.rules, false, d); !s.ok()) return s.error();
+    if (Status s = try_rules(
+            c, options.rules, [](const rules::Rule& r) { return !r.on_request; }, d);
+        !s.ok())
+      return s.error();
   }
   if (sized.scaled()) take_back(surface, sized, d);
   conclude(d);
@@ -197,7 +199,10 @@ Status diagnose_further(const Surface& surface, const DiagnoseOptions& options, 
   if (d.verdict != Verdict::embedded && d.verdict != Verdict::feasible) return success();
   const ScopedThreads threads(context.threads);
   rules::Case c(surface, d, context);
-  if (Status s = try_rules(c, options.rules, true, d); !s.ok()) return s;
+  if (Status s = try_rules(
+          c, options.rules, [](const rules::Rule& r) { return r.on_request; }, d);
+      !s.ok())
+    return s;
   conclude(d);
   return success();
 }

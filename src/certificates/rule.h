@@ -19,7 +19,8 @@
 
 namespace overtet::rules {
 
-// A surface of faces with area and fine topology that is being diagnosed, for the rules. What one rule makes
+// A surface of fine topology that is being diagnosed, for the rules. (Its faces have an area, but for those
+// that are Rule::of_shape.) What one rule makes
 // known the next ones see: nothing is computed twice.
 class Case {
  public:
@@ -40,6 +41,7 @@ using Finding = Result<std::optional<Certificate>>;
 struct Rule {
   std::function<Finding(Case&)> find;
   bool on_request = false;  // so expensive that it is tried only when asked for: see diagnose_further
+  bool of_shape = false;    // needs nothing but check_shape(), and is asked of faces without area, too
 };
 
 // Numbers, or fractions where no double will do.

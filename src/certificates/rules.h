@@ -11,6 +11,11 @@
 
 namespace overtet::rules {
 
+inline const char* name(const AreaCertificate&) { return "area"; }
+Finding find_area(Case& c);
+std::string explain(const AreaCertificate& c);
+Fields fields(const AreaCertificate& c);
+
 inline const char* name(const WindingCertificate&) { return "winding"; }
 inline bool forbids_branch_lines(const WindingCertificate&) { return true; }
 Finding find_winding(Case& c);
@@ -82,8 +87,9 @@ inline Fields fields(const CustomCertificate& c) {
 // In the order in which they are tried; the first that objects decides. Cheap ones come first, and those that
 // are easy to check by hand.
 inline std::vector<Rule> all() {
-  return {{find_winding}, {find_vertex}, {find_fold},   {find_stack},     {find_unpaired},
-          {find_crowded}, {find_link},   {find_shared}, {find_separated}, {find_gluing, true}};
+  return {{find_area, false, true}, {find_winding}, {find_vertex}, {find_fold},   {find_stack},
+          {find_unpaired},          {find_crowded}, {find_link},   {find_shared}, {find_separated},
+          {find_gluing, true}};
 }
 
 }  // namespace overtet::rules

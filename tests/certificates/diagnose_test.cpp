@@ -57,8 +57,10 @@ TEST(Diagnose, RefusesWithTheRightCode) {
   EXPECT_FALSE(d.degenerate_faces.empty());
   const auto bad = refuse(d);
   ASSERT_TRUE(bad);
-  EXPECT_EQ(bad->code, ErrorCode::bad_input);
-  EXPECT_NE(bad->message.find("Face " + std::to_string(d.degenerate_faces[0])), std::string::npos);
+  EXPECT_EQ(bad->code, ErrorCode::infeasible);
+  ASSERT_TRUE(bad->certificate);
+  EXPECT_STREQ(rule_name(*bad->certificate), "area");
+  EXPECT_NE(bad->message.find("face " + std::to_string(d.degenerate_faces[0])), std::string::npos);
 }
 
 TEST(Diagnose, SameOnAnyNumberOfThreads) {

@@ -29,6 +29,17 @@ class Rule(unittest.TestCase):
             self.check(model, {**copy.deepcopy(witness), **altered})
 
 
+class Area(Rule):
+    def test_corners_on_one_line(self):
+        points = [(0.0, 0.0, 0.0), (2.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)]
+        right = {"rule": "area", "face": TET_FACES.index(next(f for f in TET_FACES if 3 not in f)), "vertices": [0, 1, 2]}
+        self.confirms((points, TET_FACES), right)
+        self.refuses(TET, right)
+        self.refuses((points, TET_FACES), right, vertices=[0, 1, 3])
+        self.refuses((points, TET_FACES), right, Unreadable, face=4)
+        self.refuses((points, TET_FACES), right, Unreadable, vertices="x")
+
+
 class Winding(Rule):
     def test_inside_out(self):
         right = {"rule": "winding", "point": [0.125, "1/7", 0.25], "winding": -1}
