@@ -75,6 +75,7 @@ struct ImprovePass {
   double seconds = 0;
 };
 
+// More than 12 members: a plain record of what was done.
 struct ImproveResult {
   enum class End { target_reached, no_progress, passes_done, effort_spent, time_over };
   End end = End::target_reached;  // of the part that ended worst
