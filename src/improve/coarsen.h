@@ -1,9 +1,9 @@
 // Vertices out of the inside: edges from free vertices are contracted, the shortest first.
 //
-// Two uses. A mesh that is crowded (some surfaces of a few hundred faces leave 100,000 needles inside, at the
-// curves in which they cross themselves) is thinned out before anything else: what follows then costs what a
-// good mesh of that surface costs. And who asks for as few vertices as the target angle allows gets that at
-// the end.
+// Two uses. A mesh that is overfull (some surfaces of a few hundred faces leave 100,000 needles inside, at
+// the curves in which they cross themselves) is thinned out before anything else: what follows then costs
+// what a good mesh of that surface costs. And who asks for as few vertices as the target angle allows gets
+// that at the end.
 #pragma once
 
 #include <cstdint>

@@ -379,7 +379,7 @@ class Improver {
 
   // Where there are far more tets than a good mesh of this surface has: vertices go until that is over.
   void thin_out() {
-    if (mesh_.T.rows() <= kCrowded * mesh_.surface_vertices) return;
+    if (mesh_.T.rows() <= kOverfull * mesh_.surface_vertices) return;
     context_.report("improve", 0, "thinning out " + std::to_string(mesh_.T.rows()) + " tets");
     for (int count = parts_for(static_cast<std::size_t>(mesh_.T.rows()), options_.tets_per_part); count > 0;
          count = count > 1 ? 1 : 0) {

@@ -75,11 +75,12 @@ struct ImprovePass {
   double seconds = 0;
 };
 
+// More than 12 members: a plain record of what was done.
 struct ImproveResult {
   enum class End { target_reached, no_progress, passes_done, effort_spent, time_over };
   End end = End::target_reached;  // of the part that ended worst
   DihedralStatistics before, after;
-  std::int64_t thinned = 0;         // vertices that went because the mesh was crowded (coarsen.h)
+  std::int64_t thinned = 0;         // vertices that went because the mesh was overfull (coarsen.h)
   std::int64_t refined = 0;         // vertices that refinement inserted
   std::int64_t coarsened = 0;       // vertices that went because few were asked for
   std::int64_t too_large = 0;       // tets that are larger than asked, in spite of all

@@ -50,9 +50,9 @@ constexpr double kLooseQuality = 0.05;
 
 // A pass in which fewer vertices go than one of so many is the last one.
 constexpr std::int64_t kVerticesPerGone = 200;
-// Tets for each vertex of the surface, beyond which the mesh is crowded. Measured: 3 to 14 in the meshes of
+// Tets for each vertex of the surface, beyond which the mesh is overfull. Measured: 3 to 14 in the meshes of
 // scans, characters and CAD models, 200 to 1400 where windings of 5 to 10 come from a few hundred faces.
-constexpr std::int64_t kCrowded = 40;
+constexpr std::int64_t kOverfull = 40;
 // A smallest dihedral sine. Tets that come of thinning out may be this thin, where the old ones were not
 // worse: the fewer vertices are left, the more room the passes have. Measured: .05 leaves twice as many tets,
 // and four times as many bad ones.

@@ -1,4 +1,4 @@
-// Sizes, coarse meshes, crowded ones, and distinct points.
+// Sizes, coarse meshes, overfull ones, and distinct points.
 #include "src/improve/sizes.h"
 
 #include <gtest/gtest.h>
@@ -182,7 +182,7 @@ TEST(Coarse, FewerVerticesAndStillTheTargetAngle) {
   EXPECT_GE(r.value().after.min, std::min(16.99, r.value().before.min));
 }
 
-TEST(Thin, ACrowdedMeshIsThinnedOut) {
+TEST(Thin, AnOverfullMeshIsThinnedOut) {
   const TetMesh start = tets_inside(test::box_surface(1, 1, 1));
   TetComplex c(start.V, start.T);
   LocalOperations work(c);
