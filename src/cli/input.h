@@ -21,7 +21,7 @@ struct InputOptions {
 struct InputSurface {
   SurfaceReadInfo info;
   Cleanup cleanup;
-  SurfaceSource source;  // of the cleaned surface
+  SurfaceSource source;             // of the cleaned surface
   std::int64_t given_vertices = 0;  // before the clean-up
 
   const Surface& surface() const { return cleanup.surface; }

@@ -16,8 +16,8 @@ struct FinishingJob {
   double improve_degrees;  // MeshingOptions
   const RunContext& context;
   std::vector<StageRecord>& records;
+  TetSizes sizes = {};          // MeshingOptions
   bool allow_branches = false;  // VerifyOptions
-  TetSizes sizes = {};  // MeshingOptions
 };
 
 // The mesh improved, in the input's space and checked: every face of the input is a boundary face, every

@@ -33,11 +33,11 @@ std::optional<Error> wrong_shape(const Surface& s, UnitBox& box) {
   if (!fits) return fits.error();
   box = fits.value();
   if (const std::vector<Index> flat = flat_faces({V, s.F}, kRoundedHeight); !flat.empty()) {
-    Error error = unsolved(
-        "Face " + std::to_string(flat[0]) +
-        (flat.size() > 1 ? " (and " + std::to_string(flat.size() - 1) + " more)" : std::string()) +
-        " is so thin that its area is lost in rounding, and no mesh is looked for. Move a corner or "
-        "collapse an edge.");
+    Error error =
+        unsolved("Face " + std::to_string(flat[0]) +
+                 (flat.size() > 1 ? " (and " + std::to_string(flat.size() - 1) + " more)" : std::string()) +
+                 " is so thin that its area is lost in rounding, and no mesh is looked for. Move a corner or "
+                 "collapse an edge.");
     error.face = flat[0];
     return error;
   }

@@ -288,8 +288,8 @@ Result<RefinedMesh> mesh_refined(const Surface& surface, const Diagnosis& diagno
                                      .improve_degrees = options.improve_degrees,
                                      .context = context,
                                      .records = records,
-                                     .allow_branches = branch,
-                                     .sizes = sizes_of(of, options.sizes)},
+                                     .sizes = sizes_of(of, options.sizes),
+                                     .allow_branches = branch},
                                     box.value(), std::move(mesh));
   if (!finished) return finished.error();
   RefinedMesh out{{}, std::move(finished).value(), {}};

@@ -49,7 +49,6 @@ class SurfaceRun {
   const Diagnosis& diagnosis() const { return found_.diagnosis; }
   // Where the sheets could not be glued, in the input's space.
   const std::optional<Eigen::Vector3d>& unglued() const { return unglued_; }
-  const Diagnosis& diagnosis() const { return found_.diagnosis; }
   std::vector<SubSurface> parts() const { return parts_of(input_, found_.diagnosis); }
 
  private:

@@ -102,8 +102,8 @@ TEST_F(Cli, MeshesACleanSurface) {
     stages.push_back(s["name"]);
     EXPECT_TRUE(s["seconds"].is_number() && s["cpu_seconds"].is_number() && s["iterations"].is_number());
   }
-  EXPECT_EQ(stages, (std::vector<std::string>{"read", "diagnose", "tet_mesh", "improve", "set_apart", "verify",
-                                              "measure", "write"}));
+  EXPECT_EQ(stages, (std::vector<std::string>{"read", "diagnose", "tet_mesh", "improve", "set_apart",
+                                              "verify", "measure", "write"}));
   EXPECT_EQ(j["quality"]["coincident_vertices"], 0);
   EXPECT_GT(j["quality"]["closest_pair"], 1e-6);
 
