@@ -12,6 +12,7 @@
 namespace overtet::rules {
 
 inline const char* name(const AreaCertificate&) { return "area"; }
+inline bool forbids_branch_lines(const AreaCertificate&) { return true; }
 Finding find_area(Case& c);
 std::string explain(const AreaCertificate& c);
 Fields fields(const AreaCertificate& c);
