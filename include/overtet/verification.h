@@ -11,6 +11,8 @@
 //   R6  the tets around every interior edge make exactly one turn. Around edges of the surface more is
 //       allowed (the paper's hinges).
 //
+// attributes.h has a seventh, about files: R7, the triangles and labels in them are the surface's.
+//
 // R6 needs no angles: in a ring of positive tets around an edge the number of turns is the number of tets
 // whose wedge contains a fixed direction, which two exact orientations per tet decide.
 //
@@ -35,7 +37,7 @@ struct VerifyOptions {
   double max_move = 0;
 };
 
-enum class Rule { R1 = 1, R2, R3, R4, R5, R6 };
+enum class Rule { R1 = 1, R2, R3, R4, R5, R6, R7 };
 
 struct VerifyFailure {
   Rule rule;

@@ -39,18 +39,30 @@ void add_common(CLI::App& command, CommonOptions& o) {
       ->capture_default_str();
 }
 
+constexpr const char* kTetFormats = "medit, msh22, msh41, vtu, tetgen, abaqus or vtk";
+const std::vector<std::string> kTetFormatNames = {"medit",  "msh22",  "msh41", "vtu",
+                                                  "tetgen", "abaqus", "vtk"};
+
+void add_order(CLI::App* command, int& order) {
+  command->add_option("--order", order, "2: tets with ten vertices, those in the middle of edges included")
+      ->check(CLI::IsMember({1, 2}))
+      ->capture_default_str();
+}
+
 CLI::App* add_mesh(CLI::App& app, MeshCommand& mesh) {
   CLI::App* command = app.add_subcommand("mesh", "Make a tet mesh of a surface");
   command->add_option("INPUT", mesh.input, "Surface: .obj, .off, .ply or .stl")->required();
   command
-      ->add_option("--output,-o", mesh.output,
-                   "Tet mesh: .mesh, .msh, .vtu, or .node or .ele (both are written)")
+      ->add_option(
+          "--output,-o", mesh.output,
+          "Tet mesh: .mesh, .msh, .vtu, .inp, .vtk, or .node (also writes .ele and .face); with .gz: "
+          "compressed; -: standard output")
       ->required();
   command
-      ->add_option(
-          "--format", mesh.format,
-          "medit, msh22, msh41, vtu or tetgen (default: by the extension of the output; .msh: msh41)")
-      ->check(CLI::IsMember({"medit", "msh22", "msh41", "vtu", "tetgen"}));
+      ->add_option("--format", mesh.format,
+                   std::string(kTetFormats) + " (default: by the extension of the output; .msh: msh41)")
+      ->check(CLI::IsMember(kTetFormatNames));
+  add_order(command, mesh.order);
   command->add_option("--report", mesh.report, "Write a JSON report to this file, even if no mesh is made");
   command
       ->add_option("--on-infeasible", mesh.on_infeasible,
@@ -109,7 +121,11 @@ CLI::App* add_repair(CLI::App& app, RepairCommand& repair) {
 CLI::App* add_verify(CLI::App& app, VerifyCommand& verify) {
   CLI::App* command = app.add_subcommand("verify", "Check a tet mesh against its surface, exactly");
   command->add_option("SURFACE", verify.surface, "Surface: .obj, .off, .ply or .stl")->required();
-  command->add_option("TETMESH", verify.mesh, "Tet mesh: .mesh, .msh, .vtu, .node or .ele")->required();
+  command->add_option("TETMESH", verify.mesh, "Tet mesh: .mesh, .msh, .vtu, .node, .inp or .vtk")->required();
+  command
+      ->add_option("--format", verify.format,
+                   "Format of the tet mesh: " + std::string(kTetFormats) + " (default: by its extension)")
+      ->check(CLI::IsMember(kTetFormatNames));
   command
       ->add_option(
           "--max-move", verify.max_move,
@@ -117,6 +133,27 @@ CLI::App* add_verify(CLI::App& app, VerifyCommand& verify) {
       ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str();
   command->add_flag("--json", verify.json, "Print JSON");
+  return command;
+}
+
+CLI::App* add_convert(CLI::App& app, ConvertCommand& convert) {
+  CLI::App* command = app.add_subcommand(
+      "convert", "Write a tet mesh in another format, with its labels and to the last bit");
+  command
+      ->add_option("INPUT", convert.input,
+                   "Tet mesh: .mesh, .msh, .vtu, .node, .inp or .vtk; -: standard input")
+      ->required();
+  command->add_option("OUTPUT", convert.output, "Tet mesh, of these formats; -: standard output")->required();
+  command
+      ->add_option(
+          "--from", convert.from,
+          "Format of the input: " + std::string(kTetFormats) + " (default: by its extension or contents)")
+      ->check(CLI::IsMember(kTetFormatNames));
+  command
+      ->add_option("--format", convert.format,
+                   "Format of the output (default: by its extension; .msh: msh41)")
+      ->check(CLI::IsMember(kTetFormatNames));
+  add_order(command, convert.order);
   return command;
 }
 
@@ -138,11 +175,14 @@ int parse_and_run(int argc, char** argv) {
   InspectCommand inspect;
   RepairCommand repair;
   VerifyCommand verify;
+  ConvertCommand convert;
   CLI::App* mesh_app = add_mesh(app, mesh);
   CLI::App* inspect_app = add_inspect(app, inspect);
   CLI::App* repair_app = add_repair(app, repair);
   CLI::App* verify_app = add_verify(app, verify);
-  for (CLI::App* command : {mesh_app, inspect_app, repair_app, verify_app}) add_common(*command, common);
+  CLI::App* convert_app = add_convert(app, convert);
+  for (CLI::App* command : {mesh_app, inspect_app, repair_app, verify_app, convert_app})
+    add_common(*command, common);
 
   try {
     app.parse(argc, argv);
@@ -158,6 +198,7 @@ int parse_and_run(int argc, char** argv) {
   if (*mesh_app) return run(mesh, common, terminal);
   if (*inspect_app) return run(inspect, common, terminal);
   if (*repair_app) return run(repair, common, terminal);
+  if (*convert_app) return run(convert, common, terminal);
   return run(verify, common, terminal);
 }
 

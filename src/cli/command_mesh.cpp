@@ -1,6 +1,3 @@
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <cstdio>
 #include <functional>
 
@@ -13,22 +10,14 @@ namespace overtet {
 
 namespace {
 
-bool same_file(const std::string& a, const std::string& b) {
-  struct stat x, y;
-  if (a.empty() || b.empty()) return false;
-  if (a == b) return true;
-  return ::stat(a.c_str(), &x) == 0 && ::stat(b.c_str(), &y) == 0 && S_ISREG(x.st_mode) &&
-         x.st_dev == y.st_dev && x.st_ino == y.st_ino;
-}
-
 std::vector<Figure> options_of(const MeshCommand& c, const CommonOptions& common, TetFormat format) {
-  static constexpr const char* names[] = {"medit", "msh22", "msh41", "vtu", "tetgen"};
   std::vector<Figure> o = {{"input", c.input},
                            {"output", c.output},
-                           {"format", std::string(names[static_cast<int>(format)])},
+                           {"format", std::string(name_of(format))},
                            {"preset", c.preset},
                            {"on_infeasible", c.on_infeasible},
                            {"improve", c.improve_degrees},
+                           {"order", std::int64_t{c.order}},
                            {"threads", std::int64_t{common.threads}}};
   if (common.time_limit > 0) o.emplace_back("time_limit", common.time_limit);
   if (common.memory_limit > 0) o.emplace_back("memory_limit", common.memory_limit);
@@ -89,12 +78,36 @@ Result<Meshing> make_mesh(const MeshCommand& command, TetFormat format, const Ru
   Result<Meshing> made = tetrahedralize(surface.value(), meshing_options(command), context, &report);
   report.input.format = info.format;
   report.input.notes = info.notes;
-  dismiss();
-  if (!made) return made;
+  if (!made) {
+    dismiss();
+    return made;
+  }
   if (interrupt_flag()) return Error{ErrorCode::interrupted, "Interrupted; nothing was written."};
+  context.report("label", 0);
+  const TetMesh& mesh = made.value().mesh;
+  const MeshAttributeOptions wanted{keeps_layers(format)};
+  const Result<MeshAttributes> attributes =
+      mesh_attributes(surface.value(), info.attributes, mesh, wanted, context);
+  dismiss();
+  if (!attributes) return attributes.error();
   context.report("write", 0);
-  if (Status s = write_tets(command.output, made.value().mesh, format, context); !s) return s.error();
+  if (Status s = write_tets(command.output, mesh, attributes.value(), {format, command.order}, context); !s)
+    return s.error();
   return made;
+}
+
+// No file is to be written over another one.
+Status check_names(const MeshCommand& command, const std::vector<std::string>& outputs) {
+  if (same_file(command.input, command.report))
+    return Error{ErrorCode::usage, "The report would overwrite the input; choose another name."};
+  for (const std::string& output : outputs) {
+    if (same_file(command.input, output))
+      return Error{ErrorCode::usage, "The output would overwrite the input; choose another name."};
+    if (same_file(output, command.report))
+      return Error{ErrorCode::usage,
+                   "The output and the report have the same name; choose another for one of them."};
+  }
+  return success();
 }
 
 }  // namespace
@@ -103,14 +116,12 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
   const Result<TetFormat> format =
       command.format.empty() ? tet_format_of(command.output) : tet_format_named(command.format);
   if (!format) return fail(terminal, format.error());
-  if (same_file(command.input, command.output) || same_file(command.input, command.report))
-    return fail(terminal, {ErrorCode::usage,
-                           "The output or the report would overwrite the input; choose another name."});
-  if (same_file(command.output, command.report))
-    return fail(terminal, {ErrorCode::usage,
-                           "The output and the report have the same name; choose another for one of them."});
-  OutputProbe output_probe, report_probe;
-  if (Status s = output_probe.open(command.output); !s) return fail(terminal, s.error());
+  const std::vector<std::string> outputs = tet_files(command.output, format.value());
+  if (Status s = check_names(command, outputs); !s) return fail(terminal, s.error());
+  std::vector<OutputProbe> output_probes(outputs.size());
+  OutputProbe report_probe;
+  for (std::size_t i = 0; i < outputs.size(); ++i)
+    if (Status s = output_probes[i].open(outputs[i]); !s) return fail(terminal, s.error());
   if (!command.report.empty())
     if (Status s = report_probe.open(command.report); !s) return fail(terminal, s.error());
 

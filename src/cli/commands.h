@@ -25,6 +25,7 @@ struct MeshCommand {
   std::string input, output, report, format, save_stages, resume;
   std::string on_infeasible = "reject", preset = "default";
   double improve_degrees = 17;
+  int order = 1;
   double max_move = 6;  // percent of the diagonal, of a repair
 };
 
@@ -40,9 +41,14 @@ struct RepairCommand {
 };
 
 struct VerifyCommand {
-  std::string surface, mesh;
+  std::string surface, mesh, format;
   double max_move = 0;  // percent of the diagonal
   bool json = false;
+};
+
+struct ConvertCommand {
+  std::string input, output, from, format;
+  int order = 1;
 };
 
 // Each returns the exit code.
@@ -50,6 +56,10 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
 int run(const InspectCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const RepairCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const VerifyCommand& command, const CommonOptions& common, Terminal& terminal);
+int run(const ConvertCommand& command, const CommonOptions& common, Terminal& terminal);
+
+// The same file under two names, or the same name.
+bool same_file(const std::string& a, const std::string& b);
 
 // The error's sentence, with the option that raises the limit where it is about one.
 std::string with_hint(const Error& error);

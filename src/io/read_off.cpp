@@ -1,10 +1,49 @@
+#include <algorithm>
+#include <cmath>
+
+#include "src/io/face_groups.h"
 #include "src/io/surface_parts.h"
 #include "src/io/text.h"
 
 namespace overtet::io_detail {
 
+namespace {
+
+// After the coordinates come, as the header says, normals, colours and texture coordinates; after the corners
+// of a face the number of a colour, or three or four parts of it.
+void take_colours(const Extras& vertices, const Extras& faces, std::string_view header, Polygons& out) {
+  const std::size_t count = out.xyz.size() / 3;
+  const bool texture = header.starts_with("ST");
+  if (texture) header.remove_prefix(2);
+  const bool colour = header.starts_with("C");
+  const std::size_t first = header.substr(colour ? 1 : 0).starts_with("N") ? 3 : 0, last = texture ? 2 : 0;
+  const std::size_t width = vertices.each() - std::min(vertices.each(), first + last);
+  if (colour && (width == 3 || width == 4))
+    vertices.take(count, first, static_cast<int>(width), "colour", out.attributes.vertex_data);
+  if (texture && vertices.each() >= first + last)
+    vertices.take(count, vertices.each() - 2, 2, "uv", out.attributes.vertex_data);
+
+  std::vector<Attribute>& data = out.attributes.face_data;
+  const std::size_t parts = faces.each();
+  if ((parts != 1 && parts != 3 && parts != 4) ||
+      !faces.take(out.sizes.size(), 0, static_cast<int>(parts), "colour", data))
+    return;
+  if (parts == 1) {
+    const std::vector<double>& numbers = data.back().values;
+    if (std::all_of(numbers.begin(), numbers.end(),
+                    [](double x) { return x == std::floor(x) && std::abs(x) < 1e9; }))
+      out.attributes.faces.of.assign(numbers.begin(), numbers.end());
+    return;
+  }
+  Labels labels = labels_by_value(data.back());
+  // A colour for nearly every face is a picture and no label.
+  if (2 * labels.names.size() <= out.sizes.size()) out.attributes.faces = std::move(labels);
+}
+
+}  // namespace
+
 // Vertices and faces are one a line; what follows the coordinates or the indices (colours, normals) is
-// ignored. "4OFF" and "nOFF" (other dimensions) and the binary variant are refused.
+// carried along. "4OFF" and "nOFF" (other dimensions) and the binary variant are refused.
 Result<Polygons> parse_off(std::string_view name, std::string_view bytes, SurfaceReadInfo& info) {
   if (const std::int64_t line = line_of_nul(bytes))
     return malformed(name, "line " + std::to_string(line) + " contains a NUL byte, so it is not text");
@@ -38,6 +77,7 @@ Result<Polygons> parse_off(std::string_view name, std::string_view bytes, Surfac
   in.next_line();
 
   Polygons out;
+  Extras after_vertices, after_faces;
   out.xyz.resize(static_cast<std::size_t>(3 * vertices));
   for (std::int64_t v = 0; v < vertices; ++v) {
     if (!in.to_token())
@@ -47,6 +87,7 @@ Result<Polygons> parse_off(std::string_view name, std::string_view bytes, Surfac
       if (!in.real(out.xyz[static_cast<std::size_t>(3 * v + k)],
                    [&] { return "vertex " + std::to_string(v); }))
         return in.error();
+    after_vertices.read(in, static_cast<std::size_t>(v));
     in.next_line();
   }
   out.corners.reserve(static_cast<std::size_t>(3 * faces));
@@ -75,8 +116,10 @@ Result<Polygons> parse_off(std::string_view name, std::string_view bytes, Surfac
       out.corners.push_back(static_cast<Index>(v));
     }
     out.sizes.push_back(static_cast<Index>(size));
+    after_faces.read(in, static_cast<std::size_t>(f));
     in.next_line();
   }
+  take_colours(after_vertices, after_faces, info.format, out);
   return out;
 }
 

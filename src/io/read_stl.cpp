@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cstring>
 
+#include "src/io/face_groups.h"
 #include "src/io/surface_parts.h"
 #include "src/io/text.h"
 
@@ -104,6 +105,7 @@ Result<Polygons> parse_ascii_stl(std::string_view name, std::string_view bytes, 
   TextCursor in(name, bytes, false);
   Polygons out;
   PointTable table(bytes.size() / 256);
+  FaceGroups solids;
   int corners = 0;
   bool inside = false;  // of a facet
   while (in.to_token()) {
@@ -131,13 +133,16 @@ Result<Polygons> parse_ascii_stl(std::string_view name, std::string_view bytes, 
       if (!inside || corners != 3) return bad("a triangle must have three corners");
       out.sizes.push_back(3);
       inside = false;
-    } else if (key != "outer" && key != "endloop" && key != "solid" && key != "endsolid") {
+    } else if (key == "solid") {
+      solids.begin(FaceGroups::solid, in, out.sizes.size());
+    } else if (key != "outer" && key != "endloop" && key != "endsolid") {
       return bad(quoted(key) + " is not an STL keyword");
     }
     in.next_line();
   }
   if (inside) return malformed(name, "the file ends inside triangle " + std::to_string(out.sizes.size()));
   info.merged_vertices = static_cast<std::int64_t>(out.corners.size() - out.xyz.size() / 3);
+  solids.finish(out.sizes.size(), out.attributes);
   return out;
 }
 

@@ -20,7 +20,8 @@ constexpr std::int64_t kMaxCount = std::numeric_limits<Index>::max();
 struct Polygons {
   std::vector<double> xyz;
   std::vector<Index> corners;
-  std::vector<Index> sizes;  // of each face, at least 3
+  std::vector<Index> sizes;      // of each face, at least 3
+  SurfaceAttributes attributes;  // of these vertices and faces
 };
 
 inline Error malformed(std::string_view file, const std::string& what) {
