@@ -1,7 +1,8 @@
 // What comes with a surface and goes with its tet mesh: labels, colours, what a file's properties say, and
 // where things come from. Nothing here moves a vertex or changes a tet.
 //
-// Vertices, faces and tets are counted from 0. Labels are numbers as the input gives them, else counted from 1.
+// Vertices, faces and tets are counted from 0. Labels are numbers as the input gives them, else counted
+// from 1.
 #pragma once
 
 #include <map>
@@ -45,11 +46,11 @@ SurfaceAttributes carried(const SurfaceAttributes& attributes, const std::vector
                           const std::vector<Index>& old_face);
 
 struct MeshAttributes {
-  TriangleMatrix triangles;       // #B x 3: the boundary faces, as the surface has them
-  Labels labels;                  // #B: of the triangles
-  std::vector<Index> input_face;  // #B: the surface's face
-  Labels regions;                 // #T: which solid a tet belongs to
-  std::vector<Index> layers;      // #T: how many layers of the solid there are at the tet's centre
+  TriangleMatrix triangles;         // #B x 3: the boundary faces, as the surface has them
+  Labels labels;                    // #B: of the triangles
+  std::vector<Index> input_face;    // #B: the surface's face
+  Labels regions;                   // #T: which solid a tet belongs to
+  std::vector<Index> layers;        // #T: how many layers of the solid there are at the tet's centre
   std::vector<Index> input_vertex;  // #V: the surface's vertex; -1: an inner one
   std::vector<Attribute> vertex_data, triangle_data;  // #V, #B
 };
@@ -71,10 +72,10 @@ struct MeshAttributeOptions {
 //
 // pre: the mesh is one of the surface (verification.h), surface_vertices included; where a repair has moved
 // vertices, the mesh's places count. Regions are the components of the tets, by their smallest face of the
-// surface. Where the input names several solids, a component whose faces are all of one solid gets that solid's
-// number and name; the others get numbers after the solids'. Layers are exact: the winding number of the
-// surface at a point inside the tet, its centroid where that is not on the surface. Inner vertices have 0, or
-// NaN, as vertex data. Same result on any number of threads. Errors: limit, interrupted. May throw
+// surface. Where the input names several solids, a component whose faces are all of one solid gets that
+// solid's number and name; the others get numbers after the solids'. Layers are exact: the winding number of
+// the surface at a point inside the tet, its centroid where that is not on the surface. Inner vertices have
+// 0, or NaN, as vertex data. Same result on any number of threads. Errors: limit, interrupted. May throw
 // std::bad_alloc.
 Result<MeshAttributes> mesh_attributes(const Surface& surface, const SurfaceAttributes& attributes,
                                        const TetMesh& mesh, const MeshAttributeOptions& options = {},

@@ -64,8 +64,8 @@ Status write_surface(const std::string& path, const Surface& surface, SurfaceFor
 // Besides the tets a file has what attributes.h says, as far as the format has a place for it:
 //   MEDIT    Triangles with labels as references, regions as references of tets
 //   Gmsh     a surface entity and a physical group for each label, a volume and a group for each region, with
-//            their names; as node and element data what is not what one would expect: layers other than 1,
-//            input_vertex and input_face other than the own numbers
+//            their names; as node data and (4.1) element data what is not what one would expect: layers other
+//            than 1, input_vertex and input_face other than the own numbers
 //   VTU, VTK all of it: cell data of the tets, point data, and the triangles as field data (boundary_...);
 //            the triangles once more as cells of a file NAME_boundary.vtp, to look at
 //   TetGen   .face with labels as markers, regions as attributes in .ele

@@ -7,8 +7,9 @@ namespace overtet::io_detail {
 
 // Names of the surface that holds all boundary faces, and of sets and surfaces of labels and regions, which
 // their numbers follow.
-inline constexpr std::string_view kAbaqusBoundary = "BOUNDARY", kAbaqusLabel = "LABEL_", kAbaqusRegion = "REGION_";
-// Comments: before a node, its coordinates as they are; names as they are.
+inline constexpr std::string_view kAbaqusBoundary = "BOUNDARY", kAbaqusLabel = "LABEL_",
+                                  kAbaqusRegion = "REGION_";
+// Comments: a node's number and its coordinates as they are; names as they are.
 inline constexpr std::string_view kAbaqusExact = "** exact: ", kAbaqusLabelName = "** label ",
                                   kAbaqusRegionName = "** region ";
 

@@ -1,5 +1,5 @@
-// What files of meshes hold, surfaces as well as tets: the readers of MEDIT, Gmsh, VTK, TetGen and Abaqus fill
-// this, and a surface or a tet mesh is made of it. Internal to src/io.
+// What files of meshes hold, surfaces as well as tets: the readers of MEDIT, Gmsh, VTK, TetGen and Abaqus
+// fill this, and a surface or a tet mesh is made of it. Internal to src/io.
 #pragma once
 
 #include <array>
@@ -17,10 +17,10 @@ namespace overtet::io_detail {
 
 struct MeshParts {
   std::vector<double> xyz;
-  std::vector<Index> input_vertex;  // of each vertex, or empty
-  std::vector<Index> tets;          // four corners each
-  Labels regions;                   // of each tet, or empty
-  std::vector<Index> layers;        // of each tet, or empty
+  std::vector<Index> input_vertex;    // of each vertex, or empty
+  std::vector<Index> tets;            // four corners each
+  Labels regions;                     // of each tet, or empty
+  std::vector<Index> layers;          // of each tet, or empty
   std::vector<Index> corners, sizes;  // of polygons
   Labels labels;                      // of each polygon, or empty
   std::vector<Index> input_face;      // of each polygon, or empty

@@ -82,7 +82,9 @@ class AbaqusReader {
   // What does not fit elsewhere is in comments (write_abaqus.cpp).
   void comment(std::string_view line) {
     if (line.starts_with(kAbaqusExact)) {
-      exact_ = line.substr(kAbaqusExact.size());
+      std::string_view rest = line.substr(kAbaqusExact.size());
+      std::int64_t number = 0;
+      if (whole(field(rest), number)) exact_[number] = rest;
       return;
     }
     for (const bool label : {false, true}) {
@@ -106,7 +108,8 @@ class AbaqusReader {
       region_ = 0;
       const std::string_view set = parameter(line, "elset");
       if (!numbered(set, kAbaqusRegion, region_) && !set.empty()) {
-        const auto [at, is_new] = set_regions_.try_emplace(std::string(set), static_cast<Index>(set_regions_.size() + 1));
+        const auto [at, is_new] =
+            set_regions_.try_emplace(std::string(set), static_cast<Index>(set_regions_.size() + 1));
         region_ = at->second;
         if (is_new) parts_.regions.names[region_] = set;
       }
@@ -145,8 +148,7 @@ class AbaqusReader {
   bool node(std::string_view line) {
     std::int64_t number = 0;
     if (!whole(field(line), number)) return false;
-    if (!exact_.empty()) line = exact_;
-    exact_ = {};
+    if (const auto at = exact_.find(number); at != exact_.end()) line = at->second;
     for (int k = 0; k < 3; ++k) {
       const std::string_view text = field(line);
       TextCursor in(name_, text.empty() ? "0" : text, false, line_);
@@ -243,7 +245,8 @@ class AbaqusReader {
     std::vector<std::int64_t> faces;  // 4 * tet + the number of its face, from 0
   };
 
-  std::string_view name_, bytes_, exact_;
+  std::string_view name_, bytes_;
+  std::unordered_map<std::int64_t, std::string_view> exact_;  // coordinates of nodes
   std::int64_t line_ = 0;
   Error error_;
   MeshParts parts_;

@@ -127,7 +127,8 @@ class GmshReader {
       Index tag = 0;
       if (!in_.integer(dimension, "a dimension") || !in_.label(tag, "a physical group")) return false;
       std::string_view name = in_.rest_of_line();
-      if (name.size() >= 2 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
+      if (name.size() >= 2 && name.front() == '"' && name.back() == '"')
+        name = name.substr(1, name.size() - 2);
       if (dimension == 2) parts_.labels.names[tag] = name;
       if (dimension == 3) parts_.regions.names[tag] = name;
     }
@@ -175,7 +176,8 @@ class GmshReader {
       }
       return true;
     }
-    if (!in_.integer(blocks, "the number of blocks") || !in_.count(n, 8, "the number of nodes") || !in_.skip(2))
+    if (!in_.integer(blocks, "the number of blocks") || !in_.count(n, 8, "the number of nodes") ||
+        !in_.skip(2))
       return false;
     for (std::int64_t b = 0; b < blocks; ++b) {
       std::int64_t dimension = 0, parametric = 0, in_block = 0;
@@ -225,8 +227,8 @@ class GmshReader {
       if (!in_.count(n, 8, "the number of elements")) return false;
       for (std::int64_t t = 0; t < n; ++t) {
         Index tag[2] = {0, 0};
-        if (!in_.integer(number, "an element number") || !in_.integer(type, "an element type") || !known(type) ||
-            !in_.integer(tags, "a number of tags"))
+        if (!in_.integer(number, "an element number") || !in_.integer(type, "an element type") ||
+            !known(type) || !in_.integer(tags, "a number of tags"))
           return false;
         for (std::int64_t k = 0; k < tags && k < 2; ++k)
           if (!in_.label(tag[k], "a tag")) return false;
@@ -307,7 +309,8 @@ class GmshReader {
       if (values.name == "input_vertex") fill(values, nodes_, -1, parts_.input_vertex);
   }
 
-  static void fill(const Values& values, const FileNumbers& numbers, Index otherwise, std::vector<Index>& out) {
+  static void fill(const Values& values, const FileNumbers& numbers, Index otherwise,
+                   std::vector<Index>& out) {
     out.assign(static_cast<std::size_t>(numbers.count()), otherwise);
     for (const auto& [number, x] : values.of)
       if (const Index i = numbers.find(number); i >= 0 && std::abs(x) <= double{kMaxCount})
@@ -317,7 +320,7 @@ class GmshReader {
   Tokens in_;
   MeshParts parts_;
   bool v41_ = false;
-  std::int64_t tag_ = 0;  // read and not needed
+  std::int64_t tag_ = 0;            // read and not needed
   FileNumbers nodes_, element_[2];  // of faces, of tets
   std::vector<Index> entity_[2];
   std::unordered_map<std::int64_t, Index> group_[2];  // of surfaces, of volumes

@@ -9,11 +9,21 @@ namespace overtet::io_detail {
 namespace {
 
 // Sections that are left out: so many numbers an item.
-constexpr std::pair<std::string_view, int> kOtherSections[] = {
-    {"Edges", 3},           {"EdgesP2", 4},           {"Corners", 1},        {"Ridges", 1},
-    {"RequiredEdges", 1},   {"RequiredVertices", 1},  {"Hexahedra", 9},      {"Prisms", 7},
-    {"Pyramids", 6},        {"RequiredTriangles", 1}, {"Normals", 3},        {"Tangents", 3},
-    {"NormalAtVertices", 2}, {"TangentAtVertices", 2}, {"NormalAtTriangleVertices", 3}};
+constexpr std::pair<std::string_view, int> kOtherSections[] = {{"Edges", 3},
+                                                               {"EdgesP2", 4},
+                                                               {"Corners", 1},
+                                                               {"Ridges", 1},
+                                                               {"RequiredEdges", 1},
+                                                               {"RequiredVertices", 1},
+                                                               {"Hexahedra", 9},
+                                                               {"Prisms", 7},
+                                                               {"Pyramids", 6},
+                                                               {"RequiredTriangles", 1},
+                                                               {"Normals", 3},
+                                                               {"Tangents", 3},
+                                                               {"NormalAtVertices", 2},
+                                                               {"TangentAtVertices", 2},
+                                                               {"NormalAtTriangleVertices", 3}};
 
 // What one keyword begins.
 class MeditReader {
@@ -63,7 +73,8 @@ class MeditReader {
   bool elements(int corners, int middles, bool tets) {
     std::int64_t n = 0;
     const char* what = tets ? "the number of tets" : "the number of faces";
-    if (!have_vertices_) return in_.fail(std::string(tets ? "the tets" : "the faces") + " come before the vertices");
+    if (!have_vertices_)
+      return in_.fail(std::string(tets ? "the tets" : "the faces") + " come before the vertices");
     if (!in_.count(n, 2 * (corners + middles + 1), what)) return false;
     const auto vertices = static_cast<std::int64_t>(parts_.xyz.size() / 3);
     std::vector<Index>& out = tets ? parts_.tets : parts_.corners;

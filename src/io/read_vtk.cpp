@@ -101,7 +101,8 @@ class VtkSource {
     for (double& x : out) {
       const std::string_view w = word();
       const auto [stop, code] = std::from_chars(w.data(), w.data() + w.size(), x);
-      if (code == std::errc::result_out_of_range) x = std::strtod(std::string(w).c_str(), nullptr);
+      if (code == std::errc::result_out_of_range)
+        x = std::strtod(std::string(w).c_str(), nullptr);
       else if (code != std::errc() || stop != w.data() + w.size())
         return fail(quoted(w) + " is not a number");
     }
@@ -152,11 +153,13 @@ class VtkReader {
              in_.fail("the data set is neither POLYDATA nor UNSTRUCTURED_GRID");
     }
     if (key == "points")
-      return in_.count(n, "the number of points") && in_.type(type) && in_.numbers(3 * n, *type, data_.points);
+      return in_.count(n, "the number of points") && in_.type(type) &&
+             in_.numbers(3 * n, *type, data_.points);
     if (key == "cells" || key == "polygons") return cells(data_.connectivity, data_.ends);
     if (key == "vertices" || key == "lines" || key == "triangle_strips") {
       std::vector<double> corners, ends;
-      if (key == "triangle_strips") return in_.fail("the file has strips of triangles; save them as triangles");
+      if (key == "triangle_strips")
+        return in_.fail("the file has strips of triangles; save them as triangles");
       if (!cells(corners, ends)) return false;
       data_.other_cells += static_cast<std::int64_t>(ends.size());
       return true;
@@ -188,7 +191,8 @@ class VtkReader {
       std::int64_t n = 0;
       std::vector<double> unused;
       in_.word();
-      return in_.count(n, "the length of a table") && in_.numbers(4 * n, in_.binary() ? kTypes[12] : kTypes[0], unused);
+      return in_.count(n, "the length of a table") &&
+             in_.numbers(4 * n, in_.binary() ? kTypes[12] : kTypes[0], unused);
     }
     Attribute a;
     a.name = std::string(in_.word());

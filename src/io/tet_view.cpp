@@ -72,7 +72,8 @@ Index TetView::triangle(std::int64_t f, int k) const {
   return k < 3 ? corner(k) : middle(corner(k), corner(k + 1));
 }
 
-TextBuffer& TetView::tet(TextBuffer& out, std::int64_t t, Index first, const std::array<int, 6>& edges) const {
+TextBuffer& TetView::tet(TextBuffer& out, std::int64_t t, Index first,
+                         const std::array<int, 6>& edges) const {
   out.number(mesh.T(t, 0) + first);
   for (int k = 1; k < 4; ++k) out.character(' ').number(mesh.T(t, k) + first);
   if (second_)

@@ -1,5 +1,5 @@
-// A tet mesh as the writers see it: with what goes into the file besides, of first or second order. Internal to
-// src/io.
+// A tet mesh as the writers see it: with what goes into the file besides, of first or second order. Internal
+// to src/io.
 #pragma once
 
 #include <array>
@@ -36,8 +36,11 @@ class TetView {
     return v < mesh.V.rows() ? mesh.V(v, k) : middle_(v - mesh.V.rows(), k);
   }
   TextBuffer& coordinates(TextBuffer& out, std::int64_t v) const {
-    return out.number(coordinate(v, 0)).character(' ').number(coordinate(v, 1)).character(' ').number(
-        coordinate(v, 2));
+    return out.number(coordinate(v, 0))
+        .character(' ')
+        .number(coordinate(v, 1))
+        .character(' ')
+        .number(coordinate(v, 2));
   }
   // A corner, or from 4 on a vertex in the middle of an edge: as kMiddleOf has them (mesh_parts.h).
   Index tet(std::int64_t t, int k) const { return k < 4 ? mesh.T(t, k) : middle_of_tet_(t, k - 4); }

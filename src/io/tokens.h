@@ -33,7 +33,8 @@ class Tokens {
   bool label(Index& x, const char* what) {
     std::int64_t wide = 0;
     if (!integer(wide, what)) return false;
-    if (wide < -kMaxCount || wide > kMaxCount) return fail(std::to_string(wide) + " is too large (" + what + ")");
+    if (wide < -kMaxCount || wide > kMaxCount)
+      return fail(std::to_string(wide) + " is too large (" + what + ")");
     x = static_cast<Index>(wide);
     return true;
   }

@@ -16,7 +16,7 @@ struct CellKind {
   int type, corners, all;
   bool tet;
 };
-constexpr CellKind kCells[] = {{5, 3, 3, false}, {9, 4, 4, false}, {10, 4, 4, true},
+constexpr CellKind kCells[] = {{5, 3, 3, false},  {9, 4, 4, false},  {10, 4, 4, true},
                                {22, 3, 6, false}, {23, 4, 8, false}, {24, 4, 10, true}};
 constexpr int kPolygon = 7;
 
@@ -35,7 +35,8 @@ std::map<Index, std::string> names_of(const std::vector<double>& bytes) {
     Index label = 0;
     const auto [stop, code] = std::from_chars(&text[at], text.data() + end, label);
     if (code == std::errc() && stop < text.data() + end)
-      names[label] = text.substr(static_cast<std::size_t>(stop + 1 - text.data()), text.data() + end - stop - 1);
+      names[label] =
+          text.substr(static_cast<std::size_t>(stop + 1 - text.data()), text.data() + end - stop - 1);
     at = end + 1;
   }
   return names;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
 #include <cstdlib>
 #include <unordered_map>
 
@@ -26,7 +27,8 @@ std::string fitting(double x) {
   std::string text = exact(x);
   for (int digits = 16; text.size() > kMostCharacters; --digits) {
     char shorter[32];
-    text.assign(shorter, std::to_chars(shorter, shorter + sizeof shorter, x, std::chars_format::general, digits).ptr);
+    text.assign(shorter,
+                std::to_chars(shorter, shorter + sizeof shorter, x, std::chars_format::general, digits).ptr);
   }
   return text;
 }
@@ -40,7 +42,9 @@ std::string set_name(std::string_view prefix, Index number, const Labels& labels
   if (name == labels.names.end()) return out;
   out += '_';
   for (const char c : name->second)
-    out += std::isalnum(static_cast<unsigned char>(c)) ? static_cast<char>(std::toupper(static_cast<unsigned char>(c))) : '_';
+    out += std::isalnum(static_cast<unsigned char>(c))
+               ? static_cast<char>(std::toupper(static_cast<unsigned char>(c)))
+               : '_';
   return out.substr(0, 72);  // at most 80 characters for most programs
 }
 
@@ -56,22 +60,20 @@ class AbaqusWriter {
   }
 
  private:
+  // Comments come before the nodes: some readers take one between them for their end.
   void nodes() {
+    out_.lines(m_.vertices(), [&](TextBuffer& line, std::int64_t v) {
+      bool all_fit = true;
+      for (int k = 0; k < 3; ++k) all_fit &= exact(m_.coordinate(v, k)).size() <= kMostCharacters;
+      if (all_fit) return;
+      line.text(kAbaqusExact).number(v + 1);
+      for (int k = 0; k < 3; ++k) line.text(", ").number(m_.coordinate(v, k));
+      line.end_line();
+    });
     out_.text("*NODE, NSET=ALL_NODES\n");
     out_.lines(m_.vertices(), [&](TextBuffer& line, std::int64_t v) {
-      std::array<std::string, 3> text;
-      bool all_fit = true;
-      for (int k = 0; k < 3; ++k) {
-        text[static_cast<std::size_t>(k)] = fitting(m_.coordinate(v, k));
-        all_fit &= text[static_cast<std::size_t>(k)] == exact(m_.coordinate(v, k));
-      }
-      if (!all_fit) {
-        line.text(kAbaqusExact).number(m_.coordinate(v, 0));
-        for (int k = 1; k < 3; ++k) line.text(", ").number(m_.coordinate(v, k));
-        line.end_line();
-      }
       line.number(v + 1);
-      for (const std::string& t : text) line.text(", ").text(t);
+      for (int k = 0; k < 3; ++k) line.text(", ").text(fitting(m_.coordinate(v, k)));
       line.end_line();
     });
   }
@@ -89,7 +91,8 @@ class AbaqusWriter {
       out_.text(set_name(kAbaqusRegion, region, regions)).end_line();
       out_.lines(end - begin, [&](TextBuffer& line, std::int64_t i) {
         line.number(begin + i + 1);
-        for (int k = 0; k < (m_.second_order() ? 10 : 4); ++k) line.text(", ").number(m_.tet(begin + i, k) + 1);
+        for (int k = 0; k < (m_.second_order() ? 10 : 4); ++k)
+          line.text(", ").number(m_.tet(begin + i, k) + 1);
         line.end_line();
       });
       begin = end;
@@ -117,7 +120,8 @@ class AbaqusWriter {
       for (int s = 0; s < 4; ++s) {
         const auto& local = kTetFace[kAbaqusFace[s]];
         const std::array<Index, 3> face = {m_.tet(t, local[0]), m_.tet(t, local[1]), m_.tet(t, local[2])};
-        if (!std::all_of(face.begin(), face.end(), [&](Index v) { return outer[static_cast<std::size_t>(v)]; }))
+        if (!std::all_of(face.begin(), face.end(),
+                         [&](Index v) { return outer[static_cast<std::size_t>(v)]; }))
           continue;
         if (const auto at = triangle.find(rotated(face)); at != triangle.end())
           out[static_cast<std::size_t>(at->second)] = 4 * t + s;

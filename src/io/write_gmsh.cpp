@@ -9,7 +9,7 @@ namespace {
 // Gmsh's entities and groups have positive numbers: other labels get the next free ones, and are kept in
 // the name of the group ("label -3").
 struct Groups {
-  std::map<Index, Index> tag;  // of each label that occurs
+  std::map<Index, Index> tag;          // of each label that occurs
   std::map<Index, std::string> names;  // of tags
   Groups(std::int64_t n, const Labels& labels) {
     const std::map<Index, std::int64_t> all = occurring(n, labels.of);
@@ -63,19 +63,28 @@ class GmshWriter {
     if (v41) entities();
     v41 ? nodes41() : nodes22();
     v41 ? elements41() : elements22();
-    const MeshAttributes& a = m_.attributes;
-    if (std::any_of(a.layers.begin(), a.layers.end(), [](Index n) { return n != 1; }))
-      data("$ElementData", "$EndElementData", "layers", 1, a.layers);
+    if (v41) element_data();
+    const std::vector<Index>& input = m_.attributes.input_vertex;
     bool own = true;
-    for (std::size_t f = 0; f < a.input_face.size(); ++f) own &= a.input_face[f] == static_cast<Index>(f);
-    if (!own) data("$ElementData", "$EndElementData", "input_face", m_.tets() + 1, a.input_face);
-    own = true;
-    for (std::size_t v = 0; v < a.input_vertex.size(); ++v)
-      own &= a.input_vertex[v] == static_cast<Index>(v) || a.input_vertex[v] < 0;
-    if (!own) data("$NodeData", "$EndNodeData", "input_vertex", 1, a.input_vertex);
+    for (std::size_t v = 0; v < input.size(); ++v) own &= input[v] == static_cast<Index>(v) || input[v] < 0;
+    std::vector<Index> vertices = input;
+    vertices.resize(static_cast<std::size_t>(m_.vertices()), -1);
+    if (!own) data("NodeData", "input_vertex", {&vertices});
   }
 
  private:
+  // Not in files of version 2.2: meshio reads none that have any.
+  void element_data() {
+    const MeshAttributes& a = m_.attributes;
+    const std::vector<Index> none_of_tets(static_cast<std::size_t>(m_.tets()), -1),
+        none_of_faces(static_cast<std::size_t>(m_.triangles()), 0);
+    if (std::any_of(a.layers.begin(), a.layers.end(), [](Index n) { return n != 1; }))
+      data("ElementData", "layers", {&a.layers, &none_of_faces});
+    bool own = true;
+    for (std::size_t f = 0; f < a.input_face.size(); ++f) own &= a.input_face[f] == static_cast<Index>(f);
+    if (!own) data("ElementData", "input_face", {&none_of_tets, &a.input_face});
+  }
+
   void names() {
     const std::size_t count = surfaces_.names.size() + (grouped_ ? volumes_.names.size() : 0);
     if (count == 0) return;
@@ -193,16 +202,21 @@ class GmshWriter {
     out_.text("$EndElements\n");
   }
 
-  // One number each; -1 stands for none and is left out.
-  void data(const char* begin, const char* end, const char* name, std::int64_t first,
-            const std::vector<Index>& values) {
-    const auto count = std::count_if(values.begin(), values.end(), [](Index x) { return x >= 0; });
-    out_.text(begin).text("\n1\n\"").text(name).text("\"\n1\n0\n3\n0\n1\n").number(std::int64_t{count}).end_line();
-    out_.lines(static_cast<std::int64_t>(values.size()), [&](TextBuffer& line, std::int64_t i) {
-      const Index x = values[static_cast<std::size_t>(i)];
-      if (x >= 0) line.number(first + i).character(' ').number(x).end_line();
-    });
-    out_.text(end).end_line();
+  // One number for each node or element, 0 or -1 where there is none: some readers want them all.
+  void data(const std::string& section, const char* name,
+            const std::vector<const std::vector<Index>*>& parts) {
+    std::int64_t count = 0;
+    for (const auto* part : parts) count += static_cast<std::int64_t>(part->size());
+    out_.text("$" + section + "\n1\n\"").text(name).text("\"\n1\n0\n3\n0\n1\n").number(count).end_line();
+    std::int64_t first = 1;
+    for (const auto* part : parts) {
+      const auto size = static_cast<std::int64_t>(part->size());
+      out_.lines(size, [&](TextBuffer& line, std::int64_t i) {
+        line.number(first + i).character(' ').number((*part)[static_cast<std::size_t>(i)]).end_line();
+      });
+      first += size;
+    }
+    out_.text("$End" + section + "\n");
   }
 
   TextWriter& out_;

@@ -84,7 +84,7 @@ std::string_view name_of(TetFormat format) {
 }
 
 bool keeps_layers(TetFormat format) {
-  return format != TetFormat::medit && format != TetFormat::tetgen && format != TetFormat::abaqus;
+  return format == TetFormat::gmsh41 || format == TetFormat::vtu || format == TetFormat::vtk;
 }
 
 Result<TetFormat> tet_format_of(const std::string& path) {

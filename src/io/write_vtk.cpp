@@ -42,11 +42,16 @@ void base64(TextWriter& out, const void* data, std::size_t size) {
 std::string escaped(std::string_view name) {
   std::string out;
   for (const char c : name) {
-    if (c == '&') out += "&amp;";
-    else if (c == '<') out += "&lt;";
-    else if (c == '>') out += "&gt;";
-    else if (c == '"') out += "&quot;";
-    else out += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else if (c == '"')
+      out += "&quot;";
+    else
+      out += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
   }
   return out;
 }
@@ -84,8 +89,10 @@ std::vector<Attribute> point_data(const TetView& m, std::int64_t points) {
   for (const Attribute& a : m.attributes.vertex_data) out.push_back(a);
   for (Attribute& a : out) {  // those in the middle of edges have no values
     const bool real = a.type == NumberType::float32 || a.type == NumberType::float64;
-    a.values.resize(static_cast<std::size_t>(points * a.width),
-                    real ? std::numeric_limits<double>::quiet_NaN() : a.name == "input_vertex" ? -1.0 : 0.0);
+    a.values.resize(static_cast<std::size_t>(points * a.width), real
+                                                                    ? std::numeric_limits<double>::quiet_NaN()
+                                                                : a.name == "input_vertex" ? -1.0
+                                                                                           : 0.0);
   }
   return out;
 }
@@ -159,7 +166,9 @@ void xml_arrays(TextWriter& out, const char* section, const std::vector<Attribut
 
 void xml_begin(TextWriter& out, const char* type) {
   out.text("<?xml version=\"1.0\"?>\n<VTKFile type=\"").text(type);
-  out.text("\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<").text(type).text(">\n");
+  out.text("\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<")
+      .text(type)
+      .text(">\n");
 }
 
 void xml_points(TextWriter& out, const TetView& m, std::int64_t count) {
@@ -228,7 +237,8 @@ void write_vtu(TextWriter& out, const TetView& m) {
     for (int k = 0; k < each; ++k) corners[static_cast<std::size_t>(t * each + k)] = m.tet(t, k);
   xml_cells(out, corners, each);
   out.text("<DataArray type=\"UInt8\" Name=\"types\" format=\"binary\">\n");
-  binary(out, std::vector<std::uint8_t>(static_cast<std::size_t>(m.tets()), static_cast<std::uint8_t>(cell_type(m))));
+  binary(out, std::vector<std::uint8_t>(static_cast<std::size_t>(m.tets()),
+                                        static_cast<std::uint8_t>(cell_type(m))));
   out.text("</DataArray>\n</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
 }
 
@@ -262,7 +272,8 @@ void write_vtk(TextWriter& out, const TetView& m) {
     m.tet(line.number(each).character(' '), t, 0).end_line();
   });
   out.text("CELL_TYPES ").number(m.tets()).end_line();
-  out.lines(m.tets(), [&](TextBuffer& line, std::int64_t) { line.number(std::int64_t{cell_type(m)}).end_line(); });
+  out.lines(m.tets(),
+            [&](TextBuffer& line, std::int64_t) { line.number(std::int64_t{cell_type(m)}).end_line(); });
   if (const std::vector<Attribute> cells = cell_data(m); !cells.empty()) {
     out.text("CELL_DATA ").number(m.tets()).end_line();
     legacy_field(out, cells);

@@ -69,7 +69,8 @@ Labels regions_of(const Surface& surface, const Labels& solids, const TetMesh& m
   const Index count = 1 + *std::max_element(component.begin(), component.end());
   std::vector<Index> number(static_cast<std::size_t>(count));
   Labels regions;
-  const bool several = std::any_of(solids.of.begin(), solids.of.end(), [&](Index s) { return s != solids.of[0]; });
+  const bool several =
+      std::any_of(solids.of.begin(), solids.of.end(), [&](Index s) { return s != solids.of[0]; });
   if (!several) {
     for (Index c = 0; c < count; ++c) number[static_cast<std::size_t>(c)] = c + 1;
     if (count == 1 && !solids.of.empty() && solids.names.contains(solids.of[0]))
@@ -121,8 +122,7 @@ class LayerCount {
     for (std::size_t t = 0; t < tets; ++t) {
       asks[t] = static_cast<Index>(t);
       if (!alone[t]) continue;
-      Index& one =
-          asked[static_cast<std::size_t>(sets.root(mesh_.T(static_cast<Eigen::Index>(t), 0)))];
+      Index& one = asked[static_cast<std::size_t>(sets.root(mesh_.T(static_cast<Eigen::Index>(t), 0)))];
       asks[t] = one = one < 0 ? asks[t] : one;
     }
     std::vector<Index> layers(tets);
