@@ -32,8 +32,8 @@ class AtomicFile;  // internal, src/io/file.h
 // path that ends in .gz is written so. Extensions count in any case (.OBJ).
 
 // Surfaces: OBJ, OFF (with colours and normals: COFF, NOFF, ...), PLY (ASCII, both byte orders), STL
-// (ASCII and binary), VTP, VTU and legacy VTK (the polygons of them), MEDIT .mesh and Gmsh .msh (the
-// triangles and quadrilaterals of them).
+// (ASCII and binary), glTF 2 (.glb and .gltf), VTP, VTU and legacy VTK (the polygons of them), MEDIT .mesh
+// and Gmsh .msh (the triangles and quadrilaterals of them).
 
 struct SurfaceReadInfo {
   std::string format;                // for instance "PLY, binary, little endian"

@@ -1,11 +1,14 @@
 #include "src/cli/cli.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <utility>
 
 #include "overtet/version.h"
+#include "src/cli/arguments.h"
 #include "src/cli/commands.h"
 #include "src/cli/signals.h"
 #include "src/cli/tuning.h"
@@ -25,20 +28,23 @@ void add_common(CLI::App& command, CommonOptions& o) {
   command
       .add_option("--threads", o.threads,
                   "Number of threads (default: all cores); the result does not depend on it")
-      ->check(CLI::Range(1, 4096));
+      ->check(between(1, 4096));
   command.add_option("--time-limit", o.time_limit, "Give up after this many seconds (exit 6)")
-      ->check(CLI::PositiveNumber);
+      ->check(more_than_zero());
   command
       .add_option("--memory-limit", o.memory_limit,
                   "MiB that the program and its child processes may use together (exit 6 if they need more; "
                   "default: 90 % of what is free)")
-      ->check(CLI::PositiveNumber);
+      ->check(more_than_zero());
   command.add_flag("--quiet,-q", o.quiet, "Print errors only");
   command.add_option("--log-level", o.log_level, "Which messages to print: error, warning, info or debug")
       ->check(CLI::IsMember({"error", "warning", "info", "debug"}))
       ->capture_default_str();
 }
 
+constexpr const char* kSurfaces =
+    "Surface: .obj, .off, .ply, .stl, .glb, .gltf, .vtp, .vtk, .msh or .mesh; with .gz: compressed; -: "
+    "standard input";
 constexpr const char* kTetFormats = "medit, msh22, msh41, vtu, tetgen, abaqus or vtk";
 const std::vector<std::string> kTetFormatNames = {"medit",  "msh22",  "msh41", "vtu",
                                                   "tetgen", "abaqus", "vtk"};
@@ -51,7 +57,7 @@ void add_order(CLI::App* command, int& order) {
 
 CLI::App* add_mesh(CLI::App& app, MeshCommand& mesh) {
   CLI::App* command = app.add_subcommand("mesh", "Make a tet mesh of a surface");
-  command->add_option("INPUT", mesh.input, "Surface: .obj, .off, .ply or .stl")->required();
+  command->add_option("INPUT", mesh.input, kSurfaces)->required();
   command
       ->add_option(
           "--output,-o", mesh.output,
@@ -70,6 +76,11 @@ CLI::App* add_mesh(CLI::App& app, MeshCommand& mesh) {
       ->check(CLI::IsMember({"reject", "repair"}))
       ->capture_default_str();
   command
+      ->add_option("--max-move", mesh.max_move,
+                   "Largest move of a vertex in a repair, in percent of the diagonal of the bounding box")
+      ->check(between(1e-6, 100))
+      ->capture_default_str();
+  command
       ->add_option("--preset", mesh.preset,
                    "default: the immersion route, then the others if that finds no mesh; flow (or "
                    "paper): the flow route only")
@@ -78,7 +89,7 @@ CLI::App* add_mesh(CLI::App& app, MeshCommand& mesh) {
   command
       ->add_option("--improve", mesh.improve_degrees,
                    "Smallest dihedral angle that the quality pass aims at, in degrees; 0: no quality pass")
-      ->check(CLI::Range(0.0, 40.0))
+      ->check(between(0, 40))
       ->capture_default_str();
   command->add_option("--save-stages", mesh.save_stages, "Save the intermediate states in this folder");
   command->add_option("--resume", mesh.resume,
@@ -88,20 +99,30 @@ CLI::App* add_mesh(CLI::App& app, MeshCommand& mesh) {
 
 CLI::App* add_inspect(CLI::App& app, InspectCommand& inspect) {
   CLI::App* command = app.add_subcommand("inspect", "Describe a surface and say whether it can be meshed");
-  command->add_option("INPUT", inspect.input, "Surface: .obj, .off, .ply or .stl")->required();
+  command->add_option("INPUT", inspect.input, kSurfaces)->required();
   command->add_flag("--json", inspect.json, "Print JSON");
   command->add_flag("--pairs", inspect.pairs, "List the intersecting pairs of faces");
   command->add_flag("--curves", inspect.curves,
-                    "With --json: list every point of the curves, with its two places on the surface");
+                    "List every point of the curves, with its two places on the surface");
   command->add_option("--save-curves", inspect.save_curves,
                       "Write the curves in which the surface crosses itself to this file: .vtp or .obj");
+  command
+      ->add_option(
+          "--fail-on", inspect.fail_on,
+          "Exit with 5 if the surface is infeasible, with 3 if it is unclean (no closed surface of faces "
+          "with area that are oriented alike); without this, 3 only if it cannot be looked at")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"infeasible", "unclean"}));
+  command->footer(
+      "Exit codes: 0 the surface was inspected (be it infeasible), 3 it is bad input, 5 it is infeasible and "
+      "--fail-on says so.");
   return command;
 }
 
 CLI::App* add_repair(CLI::App& app, RepairCommand& repair) {
   CLI::App* command = app.add_subcommand(
       "repair", "Move a few vertices of a surface a little so that a tet mesh exists, and make that mesh");
-  command->add_option("INPUT", repair.input, "Surface: .obj, .off, .ply or .stl")->required();
+  command->add_option("INPUT", repair.input, kSurfaces)->required();
   command
       ->add_option("--output,-o", repair.output,
                    "Tet mesh: .mesh, .msh, .vtu, .node or .ele; or the repaired surface: .off, .obj or .ply")
@@ -109,18 +130,18 @@ CLI::App* add_repair(CLI::App& app, RepairCommand& repair) {
   command->add_flag("--surface-only", repair.surface_only,
                     "Write the repaired surface instead of a tet mesh");
   command->add_option("--report", repair.report,
-                      "Write a JSON report to this file (only if a tet mesh is made)");
+                      "Write a JSON report to this file, even if the repair fails");
   command
       ->add_option("--max-move", repair.max_move,
                    "Largest move of a vertex, in percent of the diagonal of the bounding box")
-      ->check(CLI::Range(1e-6, 100.0))
+      ->check(between(1e-6, 100))
       ->capture_default_str();
   return command;
 }
 
 CLI::App* add_verify(CLI::App& app, VerifyCommand& verify) {
   CLI::App* command = app.add_subcommand("verify", "Check a tet mesh against its surface, exactly");
-  command->add_option("SURFACE", verify.surface, "Surface: .obj, .off, .ply or .stl")->required();
+  command->add_option("SURFACE", verify.surface, kSurfaces)->required();
   command->add_option("TETMESH", verify.mesh, "Tet mesh: .mesh, .msh, .vtu, .node, .inp or .vtk")->required();
   command
       ->add_option("--format", verify.format,
@@ -130,7 +151,7 @@ CLI::App* add_verify(CLI::App& app, VerifyCommand& verify) {
       ->add_option(
           "--max-move", verify.max_move,
           "Largest move to allow a vertex of the surface, in percent of the diagonal of the bounding box")
-      ->check(CLI::Range(0.0, 100.0))
+      ->check(between(0, 100))
       ->capture_default_str();
   command->add_flag("--json", verify.json, "Print JSON");
   return command;
@@ -166,6 +187,7 @@ int parse_and_run(int argc, char** argv) {
   app.require_subcommand(1);
   app.set_version_flag("--version", "overtet " + version());
   app.footer(
+      "overtet FILE -o OUTPUT is short for overtet mesh; overtet help COMMAND explains one.\n"
       "Exit codes: 0 done, 2 usage, 3 bad input, 4 unsolved (verify: the mesh is wrong), 5 infeasible (the "
       "report has a witness), 6 time or memory limit, 7 a file cannot be read or written, 70 internal error, "
       "130 interrupted.");
@@ -184,13 +206,21 @@ int parse_and_run(int argc, char** argv) {
   for (CLI::App* command : {mesh_app, inspect_app, repair_app, verify_app, convert_app})
     add_common(*command, common);
 
+  Result<std::vector<std::string>> words = understood({argv + 1, argv + argc}, app);
+  Terminal complaints(LogLevel::warning, Terminal::Talk::all);
+  if (!words) return fail(complaints, words.error());
   try {
-    app.parse(argc, argv);
+    std::reverse(words.value().begin(), words.value().end());  // as CLI11 wants them
+    app.parse(std::move(words).value());
   } catch (const CLI::Success& e) {
     return app.exit(e);  // --help, --version
+  } catch (const CLI::ExtrasError&) {
+    const std::vector<std::string> extra = app.remaining(true);
+    return fail(complaints,
+                {ErrorCode::usage, "There is one argument too many: " +
+                                       (extra.empty() ? "see overtet --help" : extra.front()) + "."});
   } catch (const CLI::ParseError& e) {
-    Terminal terminal(LogLevel::warning, Terminal::Talk::all);
-    return fail(terminal, {ErrorCode::usage, std::string(e.what()) + " (see overtet --help)."});
+    return fail(complaints, {ErrorCode::usage, std::string(e.what()) + " (see overtet --help)."});
   }
   Terminal terminal(common.quiet ? LogLevel::error : level_named(common.log_level),
                     common.quiet ? Terminal::Talk::errors_only : Terminal::Talk::all);

@@ -7,8 +7,7 @@
 namespace overtet {
 
 int run(const ConvertCommand& command, const CommonOptions& common, Terminal& terminal) {
-  const Result<TetFormat> format =
-      command.format.empty() ? tet_format_of(command.output) : tet_format_named(command.format);
+  const Result<TetFormat> format = output_format(command.output, command.format, terminal);
   if (!format) return fail(terminal, format.error());
   const std::vector<std::string> outputs = tet_files(command.output, format.value());
   for (const std::string& output : outputs)

@@ -113,8 +113,7 @@ Status check_names(const MeshCommand& command, const std::vector<std::string>& o
 }  // namespace
 
 int run(const MeshCommand& command, const CommonOptions& common, Terminal& terminal) {
-  const Result<TetFormat> format =
-      command.format.empty() ? tet_format_of(command.output) : tet_format_named(command.format);
+  const Result<TetFormat> format = output_format(command.output, command.format, terminal);
   if (!format) return fail(terminal, format.error());
   const std::vector<std::string> outputs = tet_files(command.output, format.value());
   if (Status s = check_names(command, outputs); !s) return fail(terminal, s.error());

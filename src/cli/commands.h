@@ -3,7 +3,9 @@
 
 #include <chrono>
 #include <string>
+#include <vector>
 
+#include "overtet/io.h"
 #include "overtet/run_context.h"
 #include "src/cli/terminal.h"
 
@@ -32,6 +34,7 @@ struct MeshCommand {
 struct InspectCommand {
   std::string input, save_curves;
   bool json = false, pairs = false, curves = false;
+  std::vector<std::string> fail_on;  // "infeasible", "unclean"
 };
 
 struct RepairCommand {
@@ -57,6 +60,9 @@ int run(const InspectCommand& command, const CommonOptions& common, Terminal& te
 int run(const RepairCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const VerifyCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const ConvertCommand& command, const CommonOptions& common, Terminal& terminal);
+
+// The format that is asked for by name, else that of the ending; says so where they differ.
+Result<TetFormat> output_format(const std::string& path, const std::string& named, Terminal& terminal);
 
 // The same file under two names, or the same name.
 bool same_file(const std::string& a, const std::string& b);

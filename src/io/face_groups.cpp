@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <map>
+#include <utility>
 
 namespace overtet::io_detail {
 
@@ -13,6 +14,10 @@ void FaceGroups::begin(Kind kind, TextCursor& line, std::size_t next_face) {
     if (!name.empty()) name += ' ';
     name += line.token();
   }
+  begin(kind, std::move(name), next_face);
+}
+
+void FaceGroups::begin(Kind kind, std::string name, std::size_t next_face) {
   seen_[kind] = true;
   if (changes_.empty() || changes_.back().face != next_face)
     changes_.push_back({next_face, changes_.empty() ? std::array<std::string, 3>{} : changes_.back().names});

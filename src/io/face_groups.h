@@ -17,6 +17,7 @@ class FaceGroups {
 
   // What is left of the line is the name of what the faces from `next_face` on belong to.
   void begin(Kind kind, TextCursor& line, std::size_t next_face);
+  void begin(Kind kind, std::string name, std::size_t next_face);
 
   // One label for each solid, group and material that occur together, named by what differs and is not empty;
   // nothing where no line has said anything.

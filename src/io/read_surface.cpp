@@ -28,6 +28,7 @@ std::string sniff(std::string_view bytes) {
   const std::string_view t = first_token(bytes);
   if (t.size() >= 3 && t.size() <= 8 && t.substr(t.size() - 3) == "OFF") return "off";
   if (t == "solid") return "stl";
+  if (is_gltf(bytes)) return "gltf";
   const std::string_view mesh = mesh_kind(bytes);
   return mesh == "abaqus" ? "" : std::string(mesh);
 }
@@ -49,6 +50,7 @@ std::optional<Result<Polygons>> parse_mesh(std::string_view kind, std::string_vi
 bool fits(std::string_view extension, std::string_view kind) {
   if (kind == "gmsh") return extension == "msh";
   if (kind == "medit") return extension == "mesh";
+  if (kind == "gltf") return extension == "gltf" || extension == "glb";
   if (kind == "vtk_xml") return extension == "vtp" || extension == "vtu";
   return extension == (kind == "bstl" ? "stl" : kind);
 }
@@ -68,8 +70,8 @@ Result<Surface> read_surface(const std::string& path, SurfaceReadInfo* info_out,
   info = {};
   const std::string extension = parts_of_name(path).extension;
   std::string kind = sniff(bytes);
-  static constexpr std::string_view extensions[] = {"off",  "obj", "ply", "stl", "msh",
-                                                    "mesh", "vtp", "vtu", "vtk"};
+  static constexpr std::string_view extensions[] = {"off", "obj", "ply",  "stl", "msh", "mesh",
+                                                    "vtp", "vtu", "gltf", "glb", "vtk"};
   const bool known =
       std::find(std::begin(extensions), std::end(extensions), extension) != std::end(extensions);
   if (kind.empty()) {
@@ -82,7 +84,8 @@ Result<Surface> read_surface(const std::string& path, SurfaceReadInfo* info_out,
     if (extension != "obj" && path != "-")
       return malformed(
           name,
-          "this is not a surface format that Overtet reads (OBJ, OFF, PLY, STL, VTP, VTK, MEDIT, Gmsh)");
+          "this is not a surface format that Overtet reads (OBJ, OFF, PLY, STL, glTF, VTP, VTK, MEDIT, "
+          "Gmsh)");
     kind = "obj";
   } else if (known && !fits(extension, kind)) {
     info.notes.push_back("The extension is ." + extension + ", but the file begins like " +
@@ -90,10 +93,12 @@ Result<Surface> read_surface(const std::string& path, SurfaceReadInfo* info_out,
   }
 
   std::optional<Result<Polygons>> mesh = parse_mesh(kind, name, bytes, info);
-  Result<Polygons> parsed = mesh             ? *std::move(mesh)
-                            : kind == "off"  ? parse_off(name, bytes, info)
-                            : kind == "ply"  ? parse_ply(name, bytes, info)
-                            : kind == "stl"  ? parse_ascii_stl(name, bytes, info)
+  Result<Polygons> parsed = mesh            ? *std::move(mesh)
+                            : kind == "off" ? parse_off(name, bytes, info)
+                            : kind == "ply" ? parse_ply(name, bytes, info)
+                            : kind == "stl" ? parse_ascii_stl(name, bytes, info)
+                            : kind == "gltf"
+                                ? parse_gltf(name, path.substr(0, path.size() - name.size()), bytes, info)
                             : kind == "bstl" ? parse_binary_stl(name, bytes, info)
                                              : parse_obj(name, bytes, info);
   if (!parsed) return parsed.error();

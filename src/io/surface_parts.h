@@ -34,6 +34,10 @@ Result<Polygons> parse_ply(std::string_view name, std::string_view bytes, Surfac
 Result<Polygons> parse_ascii_stl(std::string_view name, std::string_view bytes, SurfaceReadInfo& info);
 Result<Polygons> parse_binary_stl(std::string_view name, std::string_view bytes, SurfaceReadInfo& info);
 bool is_binary_stl(std::string_view bytes);
+// folder: where the files are that a .gltf file names, with a slash at its end.
+Result<Polygons> parse_gltf(std::string_view name, const std::string& folder, std::string_view bytes,
+                            SurfaceReadInfo& info);
+bool is_gltf(std::string_view bytes);
 
 // Cuts the polygons into triangles, in order; counts the ones that were not triangles.
 Surface triangulate(const Polygons& polygons, std::int64_t& cut);

@@ -3,6 +3,7 @@
 
 #include "overtet/io.h"
 #include "src/io/filled_file.h"
+#include "src/io/names.h"
 
 namespace overtet {
 
@@ -67,12 +68,10 @@ void write_ply(TextWriter& out, const Surface& s) {
 }  // namespace
 
 Result<SurfaceFormat> surface_format_of(const std::string& path) {
-  const auto ends = [&](std::string_view e) {
-    return path.size() >= e.size() && std::string_view(path).substr(path.size() - e.size()) == e;
-  };
-  if (ends(".off")) return SurfaceFormat::off;
-  if (ends(".obj")) return SurfaceFormat::obj;
-  if (ends(".ply")) return SurfaceFormat::ply;
+  const std::string extension = io_detail::parts_of_name(path).extension;
+  if (extension == "off") return SurfaceFormat::off;
+  if (extension == "obj") return SurfaceFormat::obj;
+  if (extension == "ply") return SurfaceFormat::ply;
   return Error{ErrorCode::usage, "Surfaces are written as .off, .obj or .ply, not as " + path + "."};
 }
 

@@ -1,5 +1,5 @@
-// Labels and all that goes with them: from surfaces of every format, into tet meshes of every format and back,
-// also through other programs.
+// Labels and all that goes with them: from surfaces of every format, into tet meshes of every format and
+// back, also through other programs.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -96,7 +96,8 @@ TEST(Labels, OfPlyAreItsPropertiesOrColours) {
       "property uchar red\nproperty float quality\nelement face 4\nproperty list uchar int vertex_indices\n";
   const std::string vertices = "0 0 0 255 .5\n1 0 0 3 1\n0 1 0 4 2\n0 0 1 7 nan\n";
   const Read r = read(folder, "a.ply",
-                      head + "property int label\nproperty uchar red\nend_header\n" + vertices.substr(0, vertices.size() - 4) +
+                      head + "property int label\nproperty uchar red\nend_header\n" +
+                          vertices.substr(0, vertices.size() - 4) +
                           "3\n3 0 2 1 -7 9\n3 0 1 3 -7 9\n3 1 2 3 12 8\n3 2 0 3 12 8\n");
   const SurfaceAttributes& a = r.info.attributes;
   EXPECT_EQ(a.faces.of, (List{-7, -7, 12, 12}));
@@ -123,11 +124,13 @@ TEST(Labels, OfOffAreItsColours) {
 
 TEST(Labels, OfOffMayBeNumbersOfColours) {
   const TemporaryFolder folder;
-  const Read r = read(folder, "a.off", "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1 4\n3 0 1 3 4\n3 1 2 3 0\n3 2 0 3 4\n");
+  const Read r = read(folder, "a.off",
+                      "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1 4\n3 0 1 3 4\n3 1 2 3 0\n3 2 0 3 4\n");
   EXPECT_EQ(r.info.attributes.faces.of, (List{4, 4, 0, 4}));
 }
 
-// What a mesh of two overlapping solids would have: labels, also a negative one, names, regions, layers, data.
+// What a mesh of two overlapping solids would have: labels, also a negative one, names, regions, layers,
+// data.
 LabelledTetMesh sample() {
   LabelledTetMesh out;
   TetMesh& m = out.mesh;
@@ -162,7 +165,9 @@ std::vector<std::array<Index, 4>> sorted_triangles(const MeshAttributes& a) {
 
 void expect_same_mesh(const LabelledTetMesh& a, const LabelledTetMesh& b) {
   ASSERT_EQ(a.mesh.V.rows(), b.mesh.V.rows());
-  EXPECT_EQ(std::memcmp(a.mesh.V.data(), b.mesh.V.data(), sizeof(double) * static_cast<std::size_t>(a.mesh.V.size())), 0);
+  EXPECT_EQ(std::memcmp(a.mesh.V.data(), b.mesh.V.data(),
+                        sizeof(double) * static_cast<std::size_t>(a.mesh.V.size())),
+            0);
   EXPECT_EQ(a.mesh.T, b.mesh.T);
   EXPECT_EQ(a.attributes.regions.of, b.attributes.regions.of);
 }
@@ -172,10 +177,11 @@ struct Place {
   TetFormat format;
   bool names, arrays, corners;  // what there is a place for
 };
-const Place kPlaces[] = {{"a.mesh", TetFormat::medit, false, false, true}, {"b.msh", TetFormat::gmsh22, true, false, true},
-                       {"c.msh", TetFormat::gmsh41, true, false, true},  {"d.vtu", TetFormat::vtu, true, true, true},
-                       {"e.node", TetFormat::tetgen, false, false, true}, {"f.inp", TetFormat::abaqus, true, false, false},
-                       {"g.vtk", TetFormat::vtk, true, true, true}};
+const Place kPlaces[] = {
+    {"a.mesh", TetFormat::medit, false, false, true},  {"b.msh", TetFormat::gmsh22, true, false, true},
+    {"c.msh", TetFormat::gmsh41, true, false, true},   {"d.vtu", TetFormat::vtu, true, true, true},
+    {"e.node", TetFormat::tetgen, false, false, true}, {"f.inp", TetFormat::abaqus, true, false, false},
+    {"g.vtk", TetFormat::vtk, true, true, true}};
 
 TEST(Labels, SurviveEveryFormatOfEitherOrderCompressedOrNot) {
   const TemporaryFolder folder;
@@ -223,7 +229,8 @@ TEST(Labels, InputNumbersThatAreNotTheOwnSurviveWhereThereIsAPlace) {
   m.attributes.input_face = {0, 1, 2, 5, 6, 7, 8, 9};
   m.attributes.input_vertex = {0, 2, 3, 4, 5, 6, 7, 8, -1};
   for (const Place& c : kPlaces) {
-    if (c.format == TetFormat::medit || c.format == TetFormat::tetgen || c.format == TetFormat::abaqus) continue;
+    if (c.format == TetFormat::medit || c.format == TetFormat::tetgen || c.format == TetFormat::abaqus)
+      continue;
     SCOPED_TRACE(c.name);
     ASSERT_TRUE(write_tets(folder.file(c.name), m.mesh, m.attributes, {c.format, 1}).ok());
     const Result<LabelledTetMesh> r = read_labelled_tets(folder.file(c.name));
@@ -252,8 +259,10 @@ TEST(Labels, AbaqusNumbersAreShortAndExactOnesStandInComments) {
 }
 
 TEST(Labels, WritersOfSeveralFilesNameThem) {
-  EXPECT_EQ(tet_files("x/a.vtu.gz", TetFormat::vtu), (std::vector<std::string>{"x/a.vtu.gz", "x/a_boundary.vtp.gz"}));
-  EXPECT_EQ(tet_files("x/a.b.ele", TetFormat::tetgen), (std::vector<std::string>{"x/a.b.node", "x/a.b.ele", "x/a.b.face"}));
+  EXPECT_EQ(tet_files("x/a.vtu.gz", TetFormat::vtu),
+            (std::vector<std::string>{"x/a.vtu.gz", "x/a_boundary.vtp.gz"}));
+  EXPECT_EQ(tet_files("x/a.b.ele", TetFormat::tetgen),
+            (std::vector<std::string>{"x/a.b.node", "x/a.b.ele", "x/a.b.face"}));
   EXPECT_EQ(tet_files("-", TetFormat::vtu), std::vector<std::string>{"-"});
   EXPECT_EQ(write_tets("-", sample().mesh, {}, {TetFormat::tetgen, 1}).error().code, ErrorCode::usage);
   EXPECT_EQ(write_tets("a.mesh", sample().mesh, {}, {TetFormat::medit, 3}).error().code, ErrorCode::usage);
@@ -288,11 +297,13 @@ TEST(Labels, SurfacesAreReadFromFilesOfMeshes) {
 
 TEST(Labels, LegacyVtkSurfacesAreRead) {
   const TemporaryFolder folder;
-  const Read r = read(folder, "a.vtk",
-                      "# vtk DataFile Version 3.0\nby hand\nASCII\nDATASET POLYDATA\nPOINTS 4 float\n0 0 0 1 0 0\n0 1 0 0 0 1\n"
-                      "VERTICES 1 2\n1 0\nPOLYGONS 4 16\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\nCELL_DATA 5\n"
-                      "SCALARS label int 1\nLOOKUP_TABLE default\n0 1 1 2 2\nPOINT_DATA 4\nSCALARS heat double\n"
-                      "LOOKUP_TABLE default\n1 2 3 4\nVECTORS v float\n0 0 0 0 0 0 0 0 0 0 0 0\n");
+  const Read r =
+      read(folder, "a.vtk",
+           "# vtk DataFile Version 3.0\nby hand\nASCII\nDATASET POLYDATA\nPOINTS 4 float\n0 0 0 1 0 0\n0 1 0 "
+           "0 0 1\n"
+           "VERTICES 1 2\n1 0\nPOLYGONS 4 16\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\nCELL_DATA 5\n"
+           "SCALARS label int 1\nLOOKUP_TABLE default\n0 1 1 2 2\nPOINT_DATA 4\nSCALARS heat double\n"
+           "LOOKUP_TABLE default\n1 2 3 4\nVECTORS v float\n0 0 0 0 0 0 0 0 0 0 0 0\n");
   EXPECT_EQ(r.surface.F.rows(), 4);
   EXPECT_EQ(r.info.attributes.faces.of, (List{1, 1, 2, 2}));
   ASSERT_EQ(r.info.attributes.vertex_data.size(), 2u);
@@ -313,6 +324,74 @@ MeshAttributes in_places_of(const TetMesh& mesh, const LabelledTetMesh& other) {
   return a;
 }
 
+// A binary glTF file of a JSON text and a buffer.
+std::string glb(std::string json, std::string buffer) {
+  const auto word = [](std::size_t x) {
+    std::string s;
+    for (int k = 0; k < 4; ++k) s += static_cast<char>(x >> (8 * k) & 255);
+    return s;
+  };
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  buffer.resize((buffer.size() + 3) / 4 * 4, '\0');
+  return "glTF" + word(2) + word(28 + json.size() + buffer.size()) + word(json.size()) + "JSON" + json +
+         word(buffer.size()) + std::string("BIN\0", 4) + buffer;
+}
+
+template <class T>
+std::string bytes_of(const std::vector<T>& values) {
+  return {reinterpret_cast<const char*>(values.data()), sizeof(T) * values.size()};
+}
+
+// Two primitives that share their vertices, moved and mirrored by a node.
+TEST(Labels, OfGltfAreItsNodesAndMaterials) {
+  const TemporaryFolder folder;
+  const std::vector<float> xyz = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0.1f};
+  const std::vector<std::uint16_t> corners = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+  const std::vector<float> uv = {0, 0, 1, 0, 0, 1, 1, 1};
+  const std::string json =
+      R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],
+      "nodes":[{"name":"body","children":[1],"translation":[10,0,0]},{"name":"arm","mesh":0,"scale":[-2,1,1]}],
+      "meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1},"indices":2,"material":0},
+      {"attributes":{"POSITION":0,"TEXCOORD_0":1},"indices":3,"material":1}]}],
+      "materials":[{"name":"skin"},{"name":"nail"}],"buffers":[{"byteLength":104}],
+      "bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":32},
+      {"buffer":0,"byteOffset":80,"byteLength":24}],
+      "accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"},
+      {"bufferView":1,"componentType":5126,"count":4,"type":"VEC2"},
+      {"bufferView":2,"componentType":5123,"count":9,"type":"SCALAR"},
+      {"bufferView":2,"byteOffset":18,"componentType":5123,"count":3,"type":"SCALAR"}]})";
+  const std::string buffer = bytes_of(xyz) + bytes_of(uv) + bytes_of(corners);
+  const Read r = read(folder, "a.glb", glb(json, buffer));
+  ASSERT_EQ(r.surface.V.rows(), 4);
+  EXPECT_EQ(r.surface.V(1, 0), 8);
+  EXPECT_EQ(r.surface.V(3, 2), double{0.1f});
+  EXPECT_EQ(r.surface.F, (TriangleMatrix(4, 3) << 0, 1, 2, 0, 3, 1, 1, 3, 2, 2, 3, 0).finished());
+  EXPECT_EQ(r.info.attributes.faces.of, (List{1, 1, 1, 2}));
+  EXPECT_EQ(r.info.attributes.faces.names, (Names{{1, "arm:skin"}, {2, "arm:nail"}}));
+  ASSERT_EQ(r.info.attributes.vertex_data.size(), 1u);
+  EXPECT_EQ(r.info.attributes.vertex_data[0].values[7], 1);
+  // The same with the buffer in a file beside it.
+  std::string beside = json;
+  beside.replace(beside.find("{\"byteLength\":104}"), 18, R"({"byteLength":104,"uri":"a.bin"})");
+  test::write_text(folder.file("a.bin"), buffer);
+  EXPECT_EQ(read(folder, "b.gltf", beside).surface.V, r.surface.V);
+
+  const std::uint64_t seed = 79;
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937_64 random(seed);
+  const std::string good = glb(json, buffer);
+  for (int i = 0; i < 500; ++i) {
+    std::string bad = good;
+    if (i % 2 == 0) bad.resize(random() % bad.size());
+    for (int k = 0; k < i % 4 && !bad.empty(); ++k) bad[random() % bad.size()] = static_cast<char>(random());
+    test::write_text(folder.file("c.glb"), bad);
+    const Result<Surface> s = read_surface(folder.file("c.glb"));
+    if (s.ok()) {
+      EXPECT_LT(s.value().F.maxCoeff(), s.value().V.rows());
+    }
+  }
+}
+
 struct Trip {
   const char *library, *from, *to;
 };
@@ -324,12 +403,12 @@ TEST(Labels, SurviveOtherPrograms) {
   for (Index& l : m.attributes.labels.of) l = std::abs(l);  // Gmsh has no others
   for (const Place& c : kPlaces)
     ASSERT_TRUE(write_tets(folder.file(c.name), m.mesh, m.attributes, {c.format, 1}).ok());
-  for (const Trip& t : {Trip{"meshio", "a.mesh", "m1.msh"}, Trip{"meshio", "a.mesh", "m2.vtu"},
-                        Trip{"meshio", "b.msh", "m3.vtu"}, Trip{"meshio", "c.msh", "m4.msh"},
-                        Trip{"gmsh", "b.msh", "g1.msh"}, Trip{"gmsh", "c.msh", "g2_22.msh"},
-                        Trip{"gmsh", "a.mesh", "g3.msh"}, Trip{"gmsh", "c.msh", "g4.mesh"},
-                        Trip{"vtk", "d.vtu", "v1.vtu"}, Trip{"vtk", "d.vtu", "v2_raw.vtu"},
-                        Trip{"vtk", "g.vtk", "v3.vtk"}, Trip{"vtk", "g.vtk", "v4_binary.vtk"}}) {
+  for (const Trip& t :
+       {Trip{"meshio", "a.mesh", "m1.msh"}, Trip{"meshio", "a.mesh", "m2.vtu"},
+        Trip{"meshio", "b.msh", "m3.vtu"}, Trip{"meshio", "c.msh", "m4.msh"}, Trip{"gmsh", "b.msh", "g1.msh"},
+        Trip{"gmsh", "c.msh", "g2_22.msh"}, Trip{"gmsh", "a.mesh", "g3.msh"},
+        Trip{"gmsh", "c.msh", "g4.mesh"}, Trip{"vtk", "d.vtu", "v1.vtu"}, Trip{"vtk", "d.vtu", "v2_raw.vtu"},
+        Trip{"vtk", "g.vtk", "v3.vtk"}, Trip{"vtk", "g.vtk", "v4_binary.vtk"}}) {
     SCOPED_TRACE(std::string(t.library) + " from " + t.from + " to " + t.to);
     const auto r = test::shell("/usr/bin/python3 -B " OVERTET_ROUND_TRIP " " + std::string(t.library) + " " +
                                folder.file(t.from) + " " + folder.file(t.to));
@@ -345,7 +424,8 @@ TEST(Labels, SurviveOtherPrograms) {
     EXPECT_EQ(read.value().mesh.T.rows(), m.mesh.T.rows());
     EXPECT_EQ(sorted_triangles(in_places_of(m.mesh, read.value())), sorted_triangles(m.attributes));
     List regions = a.regions.of;
-    if (std::string(t.to) == "m2.vtu" || std::string(t.to) == "m3.vtu") continue;  // meshio names them otherwise
+    if (std::string(t.to) == "m2.vtu" || std::string(t.to) == "m3.vtu")
+      continue;  // meshio names them otherwise
     std::sort(regions.begin(), regions.end());
     EXPECT_EQ(regions, m.attributes.regions.of);
   }
@@ -365,7 +445,8 @@ TEST(Labels, ManyFilesThatAreDamagedNeverCrash) {
       for (int i = 0; i < 200; ++i) {
         std::string bad = good;
         if (i % 2 == 0) bad.resize(random() % bad.size());
-        for (int k = 0; k < i % 4 && !bad.empty(); ++k) bad[random() % bad.size()] = static_cast<char>(random());
+        for (int k = 0; k < i % 4 && !bad.empty(); ++k)
+          bad[random() % bad.size()] = static_cast<char>(random());
         test::write_text(path, bad);
         const Result<LabelledTetMesh> r = read_labelled_tets(path);
         (void)read_surface(path).ok();
