@@ -50,13 +50,15 @@ std::string listed(const std::vector<std::string>& words) {
 
 bool is_file_like(const std::string& word) {
   std::error_code ignored;
-  return word == "-" || word.find_first_of("./") != std::string::npos || std::filesystem::exists(word, ignored);
+  return word == "-" || word.find_first_of("./") != std::string::npos ||
+         std::filesystem::exists(word, ignored);
 }
 
 Error no_command(const std::string& word, const std::vector<std::string>& commands) {
   const std::string meant = most_like(word, commands);
-  return {ErrorCode::usage, "There is no command " + word + (meant.empty() ? "; the commands are " + listed(commands) + "."
-                                                                       : "; do you mean " + meant + "?")};
+  return {ErrorCode::usage, "There is no command " + word +
+                                (meant.empty() ? "; the commands are " + listed(commands) + "."
+                                               : "; do you mean " + meant + "?")};
 }
 
 std::string plain(double x) {
@@ -71,8 +73,8 @@ std::string plain(double x) {
 }
 
 // What is wrong with a number, or nothing.
-std::string outside(const std::string& text, const std::string& wanted, bool (*right)(double, double, double), double low,
-                    double high) {
+std::string outside(const std::string& text, const std::string& wanted, bool (*right)(double, double, double),
+                    double low, double high) {
   char* end = nullptr;
   const double x = std::strtod(text.c_str(), &end);
   if (end == text.c_str() || *end != 0 || std::isnan(x)) return text + " is not a number";
@@ -94,9 +96,12 @@ std::string most_like(const std::string& word, const std::vector<std::string>& c
 
 Result<std::vector<std::string>> understood(std::vector<std::string> words, const CLI::App& app) {
   const std::vector<std::string> commands = commands_of(app);
-  const auto known = [&](const std::string& w) { return std::find(commands.begin(), commands.end(), w) != commands.end(); };
+  const auto known = [&](const std::string& w) {
+    return std::find(commands.begin(), commands.end(), w) != commands.end();
+  };
   if (words.empty())
-    return Error{ErrorCode::usage, "Say what to do: the commands are " + listed(commands) + " (see overtet --help)."};
+    return Error{ErrorCode::usage,
+                 "Say what to do: the commands are " + listed(commands) + " (see overtet --help)."};
   if (words[0] == "version" || words[0] == "-V") return std::vector<std::string>{"--version"};
   if (words[0] == "--version" || words[0] == "--help" || words[0] == "-h") return words;
   if (words[0] == "help") {
@@ -125,7 +130,8 @@ CLI::Validator between(double low, double high) {
   const std::string range = "from " + plain(low) + " to " + plain(high);
   return CLI::Validator(
       [=](const std::string& text) {
-        return outside(text, range, [](double x, double a, double b) { return x >= a && x <= b; }, low, high);
+        return outside(
+            text, range, [](double x, double a, double b) { return x >= a && x <= b; }, low, high);
       },
       range);
 }
@@ -133,7 +139,8 @@ CLI::Validator between(double low, double high) {
 CLI::Validator more_than_zero() {
   return CLI::Validator(
       [](const std::string& text) {
-        return outside(text, "more than 0", [](double x, double, double) { return x > 0; }, 0, 0);
+        return outside(
+            text, "more than 0", [](double x, double, double) { return x > 0; }, 0, 0);
       },
       "more than 0");
 }

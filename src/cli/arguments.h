@@ -1,5 +1,5 @@
-// The words of a command line, before CLI11 sees them: other ways to ask for help, a command that is left out,
-// and what is mistyped.
+// The words of a command line, before CLI11 sees them: other ways to ask for help, a command that is left
+// out, and what is mistyped.
 #pragma once
 
 #include <CLI/CLI.hpp>

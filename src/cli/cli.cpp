@@ -42,12 +42,13 @@ void add_common(CLI::App& command, CommonOptions& o) {
       ->capture_default_str();
 }
 
-constexpr const char* kSurfaces =
-    "Surface: .obj, .off, .ply, .stl, .glb, .gltf, .vtp, .vtk, .msh or .mesh; with .gz: compressed; -: "
-    "standard input";
-constexpr const char* kTetFormats = "medit, msh22, msh41, vtu, tetgen, abaqus or vtk";
-const std::vector<std::string> kTetFormatNames = {"medit",  "msh22",  "msh41", "vtu",
-                                                  "tetgen", "abaqus", "vtk"};
+const char* surface_help() {
+  return "Surface: .obj, .off, .ply, .stl, .glb, .gltf, .vtp, .vtk, .msh or .mesh; with .gz: compressed; -: "
+         "standard input";
+}
+std::string tet_formats() { return "medit, msh22, msh41, vtu, tetgen, abaqus or vtk"; }
+const std::vector<std::string> tet_format_names = {"medit",  "msh22",  "msh41", "vtu",
+                                                   "tetgen", "abaqus", "vtk"};
 
 void add_order(CLI::App* command, int& order) {
   command->add_option("--order", order, "2: tets with ten vertices, those in the middle of edges included")
@@ -57,7 +58,7 @@ void add_order(CLI::App* command, int& order) {
 
 CLI::App* add_mesh(CLI::App& app, MeshCommand& mesh) {
   CLI::App* command = app.add_subcommand("mesh", "Make a tet mesh of a surface");
-  command->add_option("INPUT", mesh.input, kSurfaces)->required();
+  command->add_option("INPUT", mesh.input, surface_help())->required();
   command
       ->add_option(
           "--output,-o", mesh.output,
@@ -66,8 +67,8 @@ CLI::App* add_mesh(CLI::App& app, MeshCommand& mesh) {
       ->required();
   command
       ->add_option("--format", mesh.format,
-                   std::string(kTetFormats) + " (default: by the extension of the output; .msh: msh41)")
-      ->check(CLI::IsMember(kTetFormatNames));
+                   tet_formats() + " (default: by the extension of the output; .msh: msh41)")
+      ->check(CLI::IsMember(tet_format_names));
   add_order(command, mesh.order);
   command->add_option("--report", mesh.report, "Write a JSON report to this file, even if no mesh is made");
   command
@@ -99,7 +100,7 @@ CLI::App* add_mesh(CLI::App& app, MeshCommand& mesh) {
 
 CLI::App* add_inspect(CLI::App& app, InspectCommand& inspect) {
   CLI::App* command = app.add_subcommand("inspect", "Describe a surface and say whether it can be meshed");
-  command->add_option("INPUT", inspect.input, kSurfaces)->required();
+  command->add_option("INPUT", inspect.input, surface_help())->required();
   command->add_flag("--json", inspect.json, "Print JSON");
   command->add_flag("--pairs", inspect.pairs, "List the intersecting pairs of faces");
   command->add_flag("--curves", inspect.curves,
@@ -122,7 +123,7 @@ CLI::App* add_inspect(CLI::App& app, InspectCommand& inspect) {
 CLI::App* add_repair(CLI::App& app, RepairCommand& repair) {
   CLI::App* command = app.add_subcommand(
       "repair", "Move a few vertices of a surface a little so that a tet mesh exists, and make that mesh");
-  command->add_option("INPUT", repair.input, kSurfaces)->required();
+  command->add_option("INPUT", repair.input, surface_help())->required();
   command
       ->add_option("--output,-o", repair.output,
                    "Tet mesh: .mesh, .msh, .vtu, .node or .ele; or the repaired surface: .off, .obj or .ply")
@@ -141,12 +142,12 @@ CLI::App* add_repair(CLI::App& app, RepairCommand& repair) {
 
 CLI::App* add_verify(CLI::App& app, VerifyCommand& verify) {
   CLI::App* command = app.add_subcommand("verify", "Check a tet mesh against its surface, exactly");
-  command->add_option("SURFACE", verify.surface, kSurfaces)->required();
+  command->add_option("SURFACE", verify.surface, surface_help())->required();
   command->add_option("TETMESH", verify.mesh, "Tet mesh: .mesh, .msh, .vtu, .node, .inp or .vtk")->required();
   command
       ->add_option("--format", verify.format,
-                   "Format of the tet mesh: " + std::string(kTetFormats) + " (default: by its extension)")
-      ->check(CLI::IsMember(kTetFormatNames));
+                   "Format of the tet mesh: " + tet_formats() + " (default: by its extension)")
+      ->check(CLI::IsMember(tet_format_names));
   command
       ->add_option(
           "--max-move", verify.max_move,
@@ -166,14 +167,13 @@ CLI::App* add_convert(CLI::App& app, ConvertCommand& convert) {
       ->required();
   command->add_option("OUTPUT", convert.output, "Tet mesh, of these formats; -: standard output")->required();
   command
-      ->add_option(
-          "--from", convert.from,
-          "Format of the input: " + std::string(kTetFormats) + " (default: by its extension or contents)")
-      ->check(CLI::IsMember(kTetFormatNames));
+      ->add_option("--from", convert.from,
+                   "Format of the input: " + tet_formats() + " (default: by its extension or contents)")
+      ->check(CLI::IsMember(tet_format_names));
   command
       ->add_option("--format", convert.format,
                    "Format of the output (default: by its extension; .msh: msh41)")
-      ->check(CLI::IsMember(kTetFormatNames));
+      ->check(CLI::IsMember(tet_format_names));
   add_order(command, convert.order);
   return command;
 }

@@ -11,7 +11,7 @@ namespace overtet::io_detail {
 
 namespace {
 
-constexpr int kGzipFormat = 16 + MAX_WBITS;  // zlib's way of asking for gzip
+int gzip_window() { return 16 + MAX_WBITS; }  // zlib's way of asking for gzip's format
 
 // zlib takes and gives 32-bit counts.
 uInt portion(std::size_t bytes) { return static_cast<uInt>(std::min<std::size_t>(bytes, kBuffer)); }
@@ -27,7 +27,7 @@ std::optional<std::string> gunzip(std::string_view bytes) {
   std::string block(kBuffer, '\0');
   while (is_gzip(bytes)) {  // what follows the last member is padding
     z_stream z{};
-    if (inflateInit2(&z, kGzipFormat) != Z_OK) throw std::bad_alloc();
+    if (inflateInit2(&z, gzip_window()) != Z_OK) throw std::bad_alloc();
     int code = Z_OK;
     while (code == Z_OK) {
       z.next_in = pointer(bytes.data());
@@ -62,7 +62,7 @@ struct Gzip::Stream {
 
 Gzip::Gzip() : stream_(std::make_unique<Stream>()) {
   // Level 6 and 8 are zlib's own choice. The header has no name and no time.
-  if (deflateInit2(&stream_->z, 6, Z_DEFLATED, kGzipFormat, 8, Z_DEFAULT_STRATEGY) != Z_OK)
+  if (deflateInit2(&stream_->z, 6, Z_DEFLATED, gzip_window(), 8, Z_DEFAULT_STRATEGY) != Z_OK)
     throw std::bad_alloc();
 }
 

@@ -15,6 +15,7 @@
 
 namespace overtet::io_detail {
 
+// More than 12 members: a plain record of what files may have.
 struct MeshParts {
   std::vector<double> xyz;
   std::vector<Index> input_vertex;    // of each vertex, or empty

@@ -81,14 +81,14 @@ class AbaqusReader {
 
   // What does not fit elsewhere is in comments (write_abaqus.cpp).
   void comment(std::string_view line) {
-    if (line.starts_with(kAbaqusExact)) {
-      std::string_view rest = line.substr(kAbaqusExact.size());
+    if (line.starts_with(kAbaqus.exact)) {
+      std::string_view rest = line.substr(kAbaqus.exact.size());
       std::int64_t number = 0;
       if (whole(field(rest), number)) exact_[number] = rest;
       return;
     }
     for (const bool label : {false, true}) {
-      const std::string_view prefix = label ? kAbaqusLabelName : kAbaqusRegionName;
+      const std::string_view prefix = label ? kAbaqus.label_name : kAbaqus.region_name;
       if (!line.starts_with(prefix)) continue;
       Index number = 0;
       const std::string_view rest = line.substr(prefix.size());
@@ -107,7 +107,7 @@ class AbaqusReader {
       parts_.second_order |= corners_ == 10;
       region_ = 0;
       const std::string_view set = parameter(line, "elset");
-      if (!numbered(set, kAbaqusRegion, region_) && !set.empty()) {
+      if (!numbered(set, kAbaqus.region, region_) && !set.empty()) {
         const auto [at, is_new] =
             set_regions_.try_emplace(std::string(set), static_cast<Index>(set_regions_.size() + 1));
         region_ = at->second;
@@ -212,9 +212,9 @@ class AbaqusReader {
     std::vector<const Surface*> others;
     for (const Surface& s : surfaces_) {
       Index label = 0;
-      if (lower(s.name) == lower(kAbaqusBoundary))
+      if (lower(s.name) == lower(kAbaqus.boundary))
         all = &s;
-      else if (numbered(s.name, kAbaqusLabel, label))
+      else if (numbered(s.name, kAbaqus.label, label))
         for (const std::int64_t f : s.faces) label_of[f] = label;
       else
         others.push_back(&s);

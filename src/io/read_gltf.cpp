@@ -19,11 +19,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::uint32_t kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;  // "JSON", "BIN"
-
 std::uint32_t word_at(std::string_view bytes, std::size_t at) {
   std::uint32_t x = 0;
-  for (std::size_t k = 0; k < 4; ++k) x |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[at + k])) << (8 * k);
+  for (std::size_t k = 0; k < 4; ++k)
+    x |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[at + k])) << (8 * k);
   return x;
 }
 
@@ -50,11 +49,13 @@ double component(const char* p, std::int64_t type, bool normalized) {
     bits |= static_cast<std::uint32_t>(static_cast<unsigned char>(p[k])) << (8 * k);
   switch (type) {
     case 5120:
-      return normalized ? std::max(static_cast<std::int8_t>(bits) / 127.0, -1.0) : static_cast<std::int8_t>(bits);
+      return normalized ? std::max(static_cast<std::int8_t>(bits) / 127.0, -1.0)
+                        : static_cast<std::int8_t>(bits);
     case 5121:
       return normalized ? bits / 255.0 : bits;
     case 5122:
-      return normalized ? std::max(static_cast<std::int16_t>(bits) / 32767.0, -1.0) : static_cast<std::int16_t>(bits);
+      return normalized ? std::max(static_cast<std::int16_t>(bits) / 32767.0, -1.0)
+                        : static_cast<std::int16_t>(bits);
     case 5123:
       return normalized ? bits / 65535.0 : bits;
     case 5126:
@@ -68,8 +69,8 @@ struct Malformed {
   std::string what;
 };
 
-// Reads the nodes of the scene one after the other. Inside it, what is malformed is thrown as Malformed (or by
-// nlohmann's json), because it may be anywhere in the tree; parse_gltf() makes errors of it.
+// Reads the nodes of the scene one after the other. Inside it, what is malformed is thrown as Malformed (or
+// by nlohmann's json), because it may be anywhere in the tree; parse_gltf() makes errors of it.
 class GltfReader {
  public:
   GltfReader(std::string folder, SurfaceReadInfo& info) : folder_(std::move(folder)), info_(info) {}
@@ -77,8 +78,8 @@ class GltfReader {
   Result<Polygons> read(std::string_view bytes) {
     std::string_view text = bytes;
     if (bytes.starts_with("glTF")) {
-      text = chunk(bytes, kJsonChunk);
-      binary_ = chunk(bytes, kBinaryChunk);
+      text = chunk(bytes, "JSON");
+      binary_ = chunk(bytes, std::string_view("BIN\0", 4));
       info_.format = "glTF, binary";
     } else {
       info_.format = "glTF";
@@ -86,11 +87,13 @@ class GltfReader {
     json_ = Json::parse(text);
     for (const Json& e : json_.value("extensionsRequired", Json::array()))
       if (e != "KHR_mesh_quantization" && e.get<std::string>().find("mesh") != std::string::npos)
-        throw Malformed{"the meshes are stored with the extension " + e.get<std::string>() + "; save them plainly"};
+        throw Malformed{"the meshes are stored with the extension " + e.get<std::string>() +
+                        "; save them plainly"};
     const Json scenes = json_.value("scenes", Json::array());
     const auto scene = json_.value("scene", std::size_t{0});
     if (scene < scenes.size()) {
-      for (const Json& n : scenes[scene].value("nodes", Json::array())) node(n.get<std::size_t>(), Eigen::Matrix4d::Identity());
+      for (const Json& n : scenes[scene].value("nodes", Json::array()))
+        node(n.get<std::size_t>(), Eigen::Matrix4d::Identity());
     } else {
       for (std::size_t m = 0; m < json_.value("meshes", Json::array()).size(); ++m)
         mesh(m, Eigen::Matrix4d::Identity(), "");
@@ -100,11 +103,11 @@ class GltfReader {
   }
 
  private:
-  static std::string_view chunk(std::string_view bytes, std::uint32_t type) {
+  static std::string_view chunk(std::string_view bytes, std::string_view type) {
     for (std::size_t at = 12; at + 8 <= bytes.size();) {
       const std::size_t length = word_at(bytes, at);
       if (length > bytes.size() - at - 8) throw Malformed{"the file is cut short"};
-      if (word_at(bytes, at + 4) == type) return bytes.substr(at + 8, length);
+      if (bytes.substr(at + 4, 4) == type) return bytes.substr(at + 8, length);
       at += 8 + length + (4 - length % 4) % 4;
     }
     return {};
@@ -115,13 +118,16 @@ class GltfReader {
     if (!met_.insert(number).second) throw Malformed{"node " + std::to_string(number) + " has two parents"};
     Eigen::Matrix4d own = Eigen::Matrix4d::Identity();
     if (n.contains("matrix")) {
-      for (int k = 0; k < 16; ++k) own(k % 4, k / 4) = n["matrix"].at(static_cast<std::size_t>(k)).get<double>();
+      for (int k = 0; k < 16; ++k)
+        own(k % 4, k / 4) = n["matrix"].at(static_cast<std::size_t>(k)).get<double>();
     } else {
       const auto numbers = [&](const char* key, std::vector<double> otherwise) {
         return n.contains(key) ? n[key].get<std::vector<double>>() : otherwise;
       };
-      const auto t = numbers("translation", {0, 0, 0}), q = numbers("rotation", {0, 0, 0, 1}), s = numbers("scale", {1, 1, 1});
-      if (t.size() != 3 || q.size() != 4 || s.size() != 3) throw Malformed{"a node has a transformation of the wrong size"};
+      const auto t = numbers("translation", {0, 0, 0}), q = numbers("rotation", {0, 0, 0, 1}),
+                 s = numbers("scale", {1, 1, 1});
+      if (t.size() != 3 || q.size() != 4 || s.size() != 3)
+        throw Malformed{"a node has a transformation of the wrong size"};
       if (q != std::vector<double>{0, 0, 0, 1})
         own.topLeftCorner<3, 3>() = Eigen::Quaterniond(q[3], q[0], q[1], q[2]).toRotationMatrix();
       for (int k = 0; k < 3; ++k) {
@@ -142,7 +148,9 @@ class GltfReader {
     for (const Json& p : m.at("primitives")) {
       const auto mode = p.value("mode", 4);
       if (mode < 4) continue;  // points and lines
-      if (mode != 4) throw Malformed{"mesh " + overtet::quoted(name) + " has strips or fans of triangles; save them as triangles"};
+      if (mode != 4)
+        throw Malformed{"mesh " + overtet::quoted(name) +
+                        " has strips or fans of triangles; save them as triangles"};
       const Json& attributes = p.at("attributes");
       const auto places = attributes.at("POSITION").get<std::size_t>();
       const auto [at, is_new] = first_of.try_emplace(places, static_cast<Index>(out_.xyz.size() / 3));
@@ -150,16 +158,18 @@ class GltfReader {
       if (is_new) add_vertices(attributes, place);
       groups_.begin(FaceGroups::solid, name, out_.sizes.size());
       groups_.begin(FaceGroups::material,
-                    p.contains("material")
-                        ? json_.at("materials").at(p["material"].get<std::size_t>()).value("name", "material " + p["material"].dump())
-                        : std::string(),
+                    p.contains("material") ? json_.at("materials")
+                                                 .at(p["material"].get<std::size_t>())
+                                                 .value("name", "material " + p["material"].dump())
+                                           : std::string(),
                     out_.sizes.size());
       std::vector<double> corners;
       if (p.contains("indices"))
         corners = accessor(p["indices"].get<std::size_t>(), 1);
       else
         for (std::int64_t v = 0; v < count; ++v) corners.push_back(static_cast<double>(v));
-      if (corners.size() % 3 != 0) throw Malformed{"mesh " + overtet::quoted(name) + " has a triangle without three corners"};
+      if (corners.size() % 3 != 0)
+        throw Malformed{"mesh " + overtet::quoted(name) + " has a triangle without three corners"};
       const bool mirrored = place.topLeftCorner<3, 3>().determinant() < 0;
       for (std::size_t i = 0; i < corners.size(); ++i) {
         const double v = corners[mirrored && i % 3 != 0 ? i + (i % 3 == 1 ? 1 : -1) : i];
@@ -173,7 +183,8 @@ class GltfReader {
 
   void add_vertices(const Json& attributes, const Eigen::Matrix4d& place) {
     const std::vector<double> xyz = accessor(attributes["POSITION"].get<std::size_t>(), 3);
-    if ((out_.xyz.size() + xyz.size()) / 3 > static_cast<std::size_t>(kMaxCount)) throw Malformed{"there are too many vertices"};
+    if ((out_.xyz.size() + xyz.size()) / 3 > static_cast<std::size_t>(kMaxCount))
+      throw Malformed{"there are too many vertices"};
     const bool moved = place != Eigen::Matrix4d::Identity();
     for (std::size_t i = 0; i < xyz.size(); i += 3) {
       Eigen::Vector4d p(xyz[i], xyz[i + 1], xyz[i + 2], 1);
@@ -207,7 +218,8 @@ class GltfReader {
     if (!is_new) return at->second;
     const auto uri = b["uri"].get<std::string>();
     if (uri.starts_with("data:")) {
-      std::optional<std::string> decoded = decode_base64(std::string_view(uri).substr(std::min(uri.find(',') + 1, uri.size())));
+      std::optional<std::string> decoded =
+          decode_base64(std::string_view(uri).substr(std::min(uri.find(',') + 1, uri.size())));
       if (!decoded) throw Malformed{"a buffer is not base64"};
       at->second = *std::move(decoded);
     } else {
@@ -225,14 +237,18 @@ class GltfReader {
     const auto count = a.at("count").get<std::size_t>();
     const std::size_t size = component_size(type), element = size * static_cast<std::size_t>(width);
     static constexpr const char* names[] = {"", "SCALAR", "VEC2", "VEC3", "VEC4"};
-    if (size == 0 || a.at("type") != names[width]) throw Malformed{"accessor " + std::to_string(number) + " has another type than it should"};
-    if (a.contains("sparse")) throw Malformed{"accessor " + std::to_string(number) + " is sparse; save it plainly"};
+    if (size == 0 || a.at("type") != names[width])
+      throw Malformed{"accessor " + std::to_string(number) + " has another type than it should"};
+    if (a.contains("sparse"))
+      throw Malformed{"accessor " + std::to_string(number) + " is sparse; save it plainly"};
     const Json& view = json_.at("bufferViews").at(a.at("bufferView").get<std::size_t>());
     const std::string_view bytes = buffer(view.at("buffer").get<std::size_t>());
     const auto stride = view.value("byteStride", element);
-    const std::size_t begin = view.value("byteOffset", std::size_t{0}) + a.value("byteOffset", std::size_t{0});
+    const std::size_t begin =
+        view.value("byteOffset", std::size_t{0}) + a.value("byteOffset", std::size_t{0});
     if (stride < element || begin > bytes.size() ||
-        (count > 0 && (element > bytes.size() - begin || count - 1 > (bytes.size() - begin - element) / stride)))
+        (count > 0 &&
+         (element > bytes.size() - begin || count - 1 > (bytes.size() - begin - element) / stride)))
       throw Malformed{"accessor " + std::to_string(number) + " points outside its buffer"};
     std::vector<double> out;
     out.reserve(count * static_cast<std::size_t>(width));
@@ -266,7 +282,8 @@ class GltfReader {
 bool is_gltf(std::string_view bytes) {
   if (bytes.starts_with("glTF") && bytes.size() >= 12) return true;
   const std::size_t brace = bytes.find_first_not_of(" \t\r\n");
-  return brace != std::string_view::npos && bytes[brace] == '{' && bytes.find("\"asset\"") != std::string_view::npos;
+  return brace != std::string_view::npos && bytes[brace] == '{' &&
+         bytes.find("\"asset\"") != std::string_view::npos;
 }
 
 Result<Polygons> parse_gltf(std::string_view name, const std::string& folder, std::string_view bytes,

@@ -8,23 +8,6 @@ namespace overtet::io_detail {
 
 namespace {
 
-// Sections that are left out: so many numbers an item.
-constexpr std::pair<std::string_view, int> kOtherSections[] = {{"Edges", 3},
-                                                               {"EdgesP2", 4},
-                                                               {"Corners", 1},
-                                                               {"Ridges", 1},
-                                                               {"RequiredEdges", 1},
-                                                               {"RequiredVertices", 1},
-                                                               {"Hexahedra", 9},
-                                                               {"Prisms", 7},
-                                                               {"Pyramids", 6},
-                                                               {"RequiredTriangles", 1},
-                                                               {"Normals", 3},
-                                                               {"Tangents", 3},
-                                                               {"NormalAtVertices", 2},
-                                                               {"TangentAtVertices", 2},
-                                                               {"NormalAtTriangleVertices", 3}};
-
 // What one keyword begins.
 class MeditReader {
  public:
@@ -50,10 +33,25 @@ class MeditReader {
                squares = key == "Quadrilaterals", second = key.ends_with("P2");
     if ((tets || triangles || squares) && key != "RequiredTriangles")
       return elements(tets ? 4 : squares ? 4 : 3, second ? (tets ? 6 : 3) : 0, tets);
-    const auto* it = std::find_if(std::begin(kOtherSections), std::end(kOtherSections),
-                                  [&](const auto& w) { return w.first == key; });
-    if (it == std::end(kOtherSections))
-      return in_.fail(quoted(key) + " is not a MEDIT section that Overtet knows");
+    // Sections that are left out: so many numbers an item.
+    static constexpr std::pair<std::string_view, int> others[] = {{"Edges", 3},
+                                                                  {"EdgesP2", 4},
+                                                                  {"Corners", 1},
+                                                                  {"Ridges", 1},
+                                                                  {"RequiredEdges", 1},
+                                                                  {"RequiredVertices", 1},
+                                                                  {"Hexahedra", 9},
+                                                                  {"Prisms", 7},
+                                                                  {"Pyramids", 6},
+                                                                  {"RequiredTriangles", 1},
+                                                                  {"Normals", 3},
+                                                                  {"Tangents", 3},
+                                                                  {"NormalAtVertices", 2},
+                                                                  {"TangentAtVertices", 2},
+                                                                  {"NormalAtTriangleVertices", 3}};
+    const auto* it =
+        std::find_if(std::begin(others), std::end(others), [&](const auto& w) { return w.first == key; });
+    if (it == std::end(others)) return in_.fail(quoted(key) + " is not a MEDIT section that Overtet knows");
     return in_.count(n, 2 * it->second, "the length of a section") && in_.skip(n * it->second);
   }
 

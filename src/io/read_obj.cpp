@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cctype>
 
 #include "src/io/face_groups.h"
@@ -47,6 +48,12 @@ class TextureCoordinates {
   std::vector<std::int64_t> of_vertex_;  // counted from 1; 0: none
   bool seams_ = false;
 };
+
+bool is_keyword(std::string_view word) {
+  const auto in_keyword = [](unsigned char c) { return std::isalnum(c) || c == '_'; };
+  return std::isalpha(static_cast<unsigned char>(word[0])) &&
+         std::all_of(word.begin(), word.end(), in_keyword);
+}
 
 }  // namespace
 
@@ -116,12 +123,7 @@ Result<Polygons> parse_obj(std::string_view name, std::string_view bytes, Surfac
     } else if (key == "vt") {
       texture.read(in);
     } else {
-      for (const char c : key) {
-        if (std::isalnum(static_cast<unsigned char>(c)) || c == '_') continue;
-        in.fail(quoted(key) + " is not an OBJ keyword");
-        return in.error();
-      }
-      if (!std::isalpha(static_cast<unsigned char>(key[0]))) {
+      if (!is_keyword(key)) {
         in.fail(quoted(key) + " is not an OBJ keyword");
         return in.error();
       }

@@ -23,19 +23,25 @@ struct VtkType {
   bool real, is_signed;
   NumberType type;
 };
-constexpr VtkType kTypes[] = {{"double", 8, true, true, NumberType::float64},
-                              {"float", 4, true, true, NumberType::float32},
-                              {"int", 4, false, true, NumberType::int32},
-                              {"unsigned_int", 4, false, false, NumberType::int64},
-                              {"vtktypeint64", 8, false, true, NumberType::int64},
-                              {"vtktypeuint64", 8, false, false, NumberType::int64},
-                              {"long", 8, false, true, NumberType::int64},
-                              {"unsigned_long", 8, false, false, NumberType::int64},
-                              {"vtkidtype", 4, false, true, NumberType::int32},
-                              {"short", 2, false, true, NumberType::int32},
-                              {"unsigned_short", 2, false, false, NumberType::int32},
-                              {"char", 1, false, true, NumberType::int32},
-                              {"unsigned_char", 1, false, false, NumberType::uint8}};
+// null: unknown.
+const VtkType* vtk_type(std::string_view name) {
+  static constexpr VtkType types[] = {{"double", 8, true, true, NumberType::float64},
+                                      {"float", 4, true, true, NumberType::float32},
+                                      {"int", 4, false, true, NumberType::int32},
+                                      {"unsigned_int", 4, false, false, NumberType::int64},
+                                      {"vtktypeint64", 8, false, true, NumberType::int64},
+                                      {"vtktypeuint64", 8, false, false, NumberType::int64},
+                                      {"long", 8, false, true, NumberType::int64},
+                                      {"unsigned_long", 8, false, false, NumberType::int64},
+                                      {"vtkidtype", 4, false, true, NumberType::int32},
+                                      {"short", 2, false, true, NumberType::int32},
+                                      {"unsigned_short", 2, false, false, NumberType::int32},
+                                      {"char", 1, false, true, NumberType::int32},
+                                      {"unsigned_char", 1, false, false, NumberType::uint8}};
+  const VtkType* type =
+      std::find_if(std::begin(types), std::end(types), [&](const VtkType& t) { return t.name == name; });
+  return type == std::end(types) ? nullptr : type;
+}
 
 double big_endian(const char* p, const VtkType& type) {
   std::uint64_t bits = 0;
@@ -81,8 +87,8 @@ class VtkSource {
   }
   bool type(const VtkType*& out) {
     const std::string w = lower(word());
-    out = std::find_if(std::begin(kTypes), std::end(kTypes), [&](const VtkType& t) { return t.name == w; });
-    return out != std::end(kTypes) || fail(quoted(w) + " is not a type of numbers that Overtet reads");
+    out = vtk_type(w);
+    return out || fail(quoted(w) + " is not a type of numbers that Overtet reads");
   }
   bool numbers(std::int64_t n, const VtkType& type, std::vector<double>& out) {
     const std::int64_t left = static_cast<std::int64_t>(bytes_.size() - at_) + 1;
@@ -165,7 +171,7 @@ class VtkReader {
       return true;
     }
     if (key == "cell_types")
-      return in_.count(n, "the number of cells") && in_.numbers(n, kTypes[2], data_.types);
+      return in_.count(n, "the number of cells") && in_.numbers(n, *vtk_type("int"), data_.types);
     if (key == "point_data" || key == "cell_data") {
       list_ = key == "point_data" ? &data_.point_data : &data_.cell_data;
       return in_.count(items_, "the number of items");
@@ -192,11 +198,11 @@ class VtkReader {
       std::vector<double> unused;
       in_.word();
       return in_.count(n, "the length of a table") &&
-             in_.numbers(4 * n, in_.binary() ? kTypes[12] : kTypes[0], unused);
+             in_.numbers(4 * n, *vtk_type(in_.binary() ? "unsigned_char" : "double"), unused);
     }
     Attribute a;
     a.name = std::string(in_.word());
-    const VtkType* type = &kTypes[0];
+    const VtkType* type = vtk_type("double");
     std::int64_t width = 3;
     if (key == "scalars") {
       if (!in_.type(type)) return false;
@@ -205,7 +211,7 @@ class VtkReader {
       in_.word(), in_.word();  // LOOKUP_TABLE name
     } else if (key == "color_scalars") {
       if (!in_.count(width, "the number of colours")) return false;
-      type = in_.binary() ? &kTypes[12] : &kTypes[1];
+      type = vtk_type(in_.binary() ? "unsigned_char" : "float");
     } else if (key == "texture_coordinates") {
       if (!in_.count(width, "the dimension") || !in_.type(type)) return false;
     } else if (key == "vectors" || key == "normals") {
@@ -262,7 +268,7 @@ class VtkReader {
       return true;
     }
     std::vector<double> list;
-    if (!in_.numbers(size, kTypes[2], list)) return false;
+    if (!in_.numbers(size, *vtk_type("int"), list)) return false;
     std::size_t at = 0;
     for (std::int64_t c = 0; c < n; ++c) {
       const double corners_said = at < list.size() ? list[at] : -1;

@@ -16,9 +16,14 @@ struct CellKind {
   int type, corners, all;
   bool tet;
 };
-constexpr CellKind kCells[] = {{5, 3, 3, false},  {9, 4, 4, false},  {10, 4, 4, true},
-                               {22, 3, 6, false}, {23, 4, 8, false}, {24, 4, 10, true}};
-constexpr int kPolygon = 7;
+// null: neither a tet nor a face with a fixed number of corners.
+const CellKind* cell_kind(double type) {
+  static constexpr CellKind kinds[] = {{5, 3, 3, false},  {9, 4, 4, false},  {10, 4, 4, true},
+                                       {22, 3, 6, false}, {23, 4, 8, false}, {24, 4, 10, true}};
+  const CellKind* kind =
+      std::find_if(std::begin(kinds), std::end(kinds), [&](const CellKind& k) { return k.type == type; });
+  return kind == std::end(kinds) ? nullptr : kind;
+}
 
 std::vector<Index> as_indices(const std::vector<double>& values) {
   std::vector<Index> out(values.size());
@@ -72,10 +77,9 @@ class VtkParts {
           end_said <= static_cast<double>(data_.connectivity.size())))
       return bad("cell " + std::to_string(c) + " has no corners");
     const auto end = static_cast<std::int64_t>(end_said);
-    const CellKind* kind = std::find_if(std::begin(kCells), std::end(kCells),
-                                        [&](const CellKind& k) { return k.type == data_.types[c]; });
-    const bool polygon = data_.types[c] == kPolygon && end - begin >= 3;
-    if (kind == std::end(kCells) && !polygon) return success();
+    const CellKind* kind = cell_kind(data_.types[c]);
+    const bool polygon = data_.types[c] == 7 && end - begin >= 3;
+    if (!kind && !polygon) return success();
     const std::int64_t corners = polygon ? end - begin : kind->corners, all = polygon ? corners : kind->all;
     const bool tet = !polygon && kind->tet;
     const std::string what = (tet ? "tet " : "face ") + std::to_string(c);

@@ -9,13 +9,11 @@
 #include "kernels/core/triangles.h"
 #include "src/io/abaqus.h"
 #include "src/io/tet_view.h"
+#include "src/io/tuning.h"
 
 namespace overtet::io_detail {
 
 namespace {
-
-// CalculiX reads no more of a number.
-constexpr std::size_t kMostCharacters = 20;
 
 std::string exact(double x) {
   TextBuffer out;
@@ -66,7 +64,7 @@ class AbaqusWriter {
       bool all_fit = true;
       for (int k = 0; k < 3; ++k) all_fit &= exact(m_.coordinate(v, k)).size() <= kMostCharacters;
       if (all_fit) return;
-      line.text(kAbaqusExact).number(v + 1);
+      line.text(kAbaqus.exact).number(v + 1);
       for (int k = 0; k < 3; ++k) line.text(", ").number(m_.coordinate(v, k));
       line.end_line();
     });
@@ -82,13 +80,13 @@ class AbaqusWriter {
   void elements() {
     const Labels& regions = m_.attributes.regions;
     for (const auto& [region, name] : regions.names)
-      out_.text(kAbaqusRegionName).number(region).character(' ').text(name).end_line();
+      out_.text(kAbaqus.region_name).number(region).character(' ').text(name).end_line();
     for (std::int64_t begin = 0; begin < m_.tets();) {
       const Index region = m_.region(begin);
       std::int64_t end = begin + 1;
       while (end < m_.tets() && m_.region(end) == region) ++end;
       out_.text(m_.second_order() ? "*ELEMENT, TYPE=C3D10, ELSET=" : "*ELEMENT, TYPE=C3D4, ELSET=");
-      out_.text(set_name(kAbaqusRegion, region, regions)).end_line();
+      out_.text(set_name(kAbaqus.region, region, regions)).end_line();
       out_.lines(end - begin, [&](TextBuffer& line, std::int64_t i) {
         line.number(begin + i + 1);
         for (int k = 0; k < (m_.second_order() ? 10 : 4); ++k)
@@ -150,11 +148,11 @@ class AbaqusWriter {
         nodes.push_back(m_.triangle(static_cast<std::int64_t>(f), k) + 1);
     }
     std::erase(all, -1);
-    surface(std::string(kAbaqusBoundary), all);
+    surface(std::string(kAbaqus.boundary), all);
     for (const auto& [label, name] : labels.names)
-      out_.text(kAbaqusLabelName).number(label).character(' ').text(name).end_line();
+      out_.text(kAbaqus.label_name).number(label).character(' ').text(name).end_line();
     for (auto& [label, faces] : of_label) {
-      const std::string name = set_name(kAbaqusLabel, label, labels);
+      const std::string name = set_name(kAbaqus.label, label, labels);
       surface(name, faces);
       std::vector<Index>& nodes = nodes_of_label[label];
       std::sort(nodes.begin(), nodes.end());

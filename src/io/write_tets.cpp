@@ -1,4 +1,5 @@
-#include <functional>
+#include <limits>
+#include <span>
 
 #include "overtet/io.h"
 #include "src/io/filled_file.h"
@@ -15,11 +16,14 @@ struct FormatName {
   TetFormat format;
   std::string_view name, extension;
 };
-constexpr FormatName kFormats[] = {
-    {TetFormat::medit, "medit", "mesh"},   {TetFormat::gmsh41, "msh41", "msh"},
-    {TetFormat::gmsh22, "msh22", "msh"},   {TetFormat::vtu, "vtu", "vtu"},
-    {TetFormat::tetgen, "tetgen", "node"}, {TetFormat::tetgen, "tetgen", "ele"},
-    {TetFormat::abaqus, "abaqus", "inp"},  {TetFormat::vtk, "vtk", "vtk"}};
+std::span<const FormatName> formats() {
+  static constexpr FormatName all[] = {
+      {TetFormat::medit, "medit", "mesh"},   {TetFormat::gmsh41, "msh41", "msh"},
+      {TetFormat::gmsh22, "msh22", "msh"},   {TetFormat::vtu, "vtu", "vtu"},
+      {TetFormat::tetgen, "tetgen", "node"}, {TetFormat::tetgen, "tetgen", "ele"},
+      {TetFormat::abaqus, "abaqus", "inp"},  {TetFormat::vtk, "vtk", "vtk"}};
+  return all;
+}
 
 // The files that a mesh is written to, and what writes each.
 struct Part {
@@ -71,14 +75,14 @@ Status write_parts(const std::vector<Part>& parts, const TetView& view) {
 }  // namespace
 
 Result<TetFormat> tet_format_named(std::string_view name) {
-  for (const FormatName& f : kFormats)
+  for (const FormatName& f : formats())
     if (f.name == name || (f.extension == name && f.format != TetFormat::tetgen)) return f.format;
   return Error{ErrorCode::usage, "There is no format named " + std::string(name) +
                                      "; use medit, msh22, msh41, vtu, tetgen, abaqus or vtk."};
 }
 
 std::string_view name_of(TetFormat format) {
-  for (const FormatName& f : kFormats)
+  for (const FormatName& f : formats())
     if (f.format == format) return f.name;
   return "";
 }
@@ -89,7 +93,7 @@ bool keeps_layers(TetFormat format) {
 
 Result<TetFormat> tet_format_of(const std::string& path) {
   const std::string extension = parts_of_name(path).extension;
-  for (const FormatName& f : kFormats)
+  for (const FormatName& f : formats())
     if (f.extension == extension) return f.format;
   return Error{ErrorCode::usage, "The name " + path +
                                      " does not tell the format: use .mesh, .msh, .vtu, .node, .ele, .inp or "

@@ -14,8 +14,14 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "the VTU writer stores native bytes as little endian");
 
-constexpr const char* kXmlTypes[] = {"UInt8", "Int32", "Int64", "Float32", "Float64"};
-constexpr const char* kLegacyTypes[] = {"unsigned_char", "int", "vtktypeint64", "float", "double"};
+const char* xml_name(NumberType type) {
+  static constexpr const char* names[] = {"UInt8", "Int32", "Int64", "Float32", "Float64"};
+  return names[static_cast<int>(type)];
+}
+const char* legacy_name(NumberType type) {
+  static constexpr const char* names[] = {"unsigned_char", "int", "vtktypeint64", "float", "double"};
+  return names[static_cast<int>(type)];
+}
 
 // Base64 of a byte count (64 bit) and the bytes: VTK's "binary" data array.
 void base64(TextWriter& out, const void* data, std::size_t size) {
@@ -133,7 +139,7 @@ void binary(TextWriter& out, const std::vector<T>& values) {
 }
 
 void xml_array(TextWriter& out, const Attribute& a, bool field) {
-  out.text("<DataArray type=\"").text(kXmlTypes[static_cast<int>(a.type)]).text("\" Name=\"");
+  out.text("<DataArray type=\"").text(xml_name(a.type)).text("\" Name=\"");
   out.text(escaped(a.name)).text("\" NumberOfComponents=\"").number(std::int64_t{a.width});
   if (field) out.text("\" NumberOfTuples=\"").number(static_cast<std::int64_t>(a.values.size()) / a.width);
   out.text("\" format=\"binary\">\n");
@@ -209,7 +215,7 @@ void legacy_field(TextWriter& out, const std::vector<Attribute>& list) {
   for (const Attribute& a : list) {
     const auto tuples = static_cast<std::int64_t>(a.values.size()) / a.width;
     out.text(one_word(a.name)).character(' ').number(std::int64_t{a.width}).character(' ').number(tuples);
-    out.character(' ').text(kLegacyTypes[static_cast<int>(a.type)]).end_line();
+    out.character(' ').text(legacy_name(a.type)).end_line();
     out.lines(tuples, [&](TextBuffer& line, std::int64_t t) {
       for (int k = 0; k < a.width; ++k) {
         if (k > 0) line.character(' ');

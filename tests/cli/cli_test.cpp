@@ -232,7 +232,9 @@ TEST_F(Cli, InspectSaysEachThingOnce) {
     std::set<std::string> met;
     for (std::string line; std::getline(lines, line);) {
       const std::string sentence = line.substr(std::min<std::size_t>(12, line.size()));
-      if (sentence.size() > 12) EXPECT_TRUE(met.insert(sentence).second) << line;
+      if (sentence.size() > 12) {
+        EXPECT_TRUE(met.insert(sentence).second) << line;
+      }
     }
   }
   EXPECT_EQ(run("inspect " + open).exit_code, 3);

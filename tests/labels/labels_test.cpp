@@ -33,8 +33,9 @@ int tets_around_centroid(const TetMesh& m, Eigen::Index t) {
   int count = 0;
   for (Eigen::Index u = 0; u < m.T.rows(); ++u) {
     const auto corner = [&](int c) { return &m.V(m.T(u, c), 0); };
-    const int s[4] = {orient3d(corner(1), corner(3), corner(2), p), orient3d(corner(0), corner(2), corner(3), p),
-                      orient3d(corner(0), corner(3), corner(1), p), orient3d(corner(0), corner(1), corner(2), p)};
+    const int s[4] = {
+        orient3d(corner(1), corner(3), corner(2), p), orient3d(corner(0), corner(2), corner(3), p),
+        orient3d(corner(0), corner(3), corner(1), p), orient3d(corner(0), corner(1), corner(2), p)};
     const int low = *std::min_element(s, s + 4);
     if (low > 0) ++count;
     if (low == 0) return -1;
@@ -157,9 +158,15 @@ TEST(VerifyAttributes, FindsWhatIsNotTheSurfaces) {
     EXPECT_TRUE(verify_attributes(s, in, {m, good}, by_place).empty());
     EXPECT_TRUE(verify_attributes(s, in, {m, {}}, by_place).empty());  // nothing to check
     for (const Wrong& w :
-         {Wrong{"turned over", [](MeshAttributes& a) { std::swap(a.triangles(3, 0), a.triangles(3, 1)); }, "lack"},
-          Wrong{"one left out", [](MeshAttributes& a) { a.triangles = a.triangles.bottomRows(79).eval(), a.labels.of.pop_back(); }, "lack"},
-          Wrong{"another one", [](MeshAttributes& a) { a.triangles(3, 0) = a.triangles(70, 0); }, "not faces"},
+         {Wrong{"turned over", [](MeshAttributes& a) { std::swap(a.triangles(3, 0), a.triangles(3, 1)); },
+                "lack"},
+          Wrong{"one left out",
+                [](MeshAttributes& a) {
+                  a.triangles = a.triangles.bottomRows(79).eval(), a.labels.of.pop_back();
+                },
+                "lack"},
+          Wrong{"another one", [](MeshAttributes& a) { a.triangles(3, 0) = a.triangles(70, 0); },
+                "not faces"},
           Wrong{"another label", [](MeshAttributes& a) { a.labels.of[7] = 3; }, "other labels"},
           Wrong{"no vertex", [](MeshAttributes& a) { a.triangles(0, 0) = 1 << 20; }, "do not exist"}}) {
       MeshAttributes bad = good;
