@@ -39,7 +39,7 @@ Result<SurfaceRepair> repaired_surface(const RepairCommand& command, SurfaceForm
   return repaired;
 }
 
-// The report is of the surface: a mesh was only made to show that there is one.
+// Quality and hash are those of the mesh that shows that there is one.
 void finish(Report& report, const RepairCommand& command, const CommonOptions& common,
             const Result<SurfaceRepair>& repaired) {
   report.options = {{"input", command.input},
@@ -51,8 +51,6 @@ void finish(Report& report, const RepairCommand& command, const CommonOptions& c
   report.seconds = std::chrono::duration<double>(RunContext::Clock::now() - common.start).count();
   report.message = repaired ? what_was_moved(command, repaired.value()) : with_hint(repaired.error());
   if (!repaired) report.status = status_of(repaired.error().code);
-  report.quality.reset();
-  report.result_hash.clear();
 }
 
 }  // namespace
