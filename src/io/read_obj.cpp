@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cctype>
+#include <optional>
 
 #include "src/io/face_groups.h"
 #include "src/io/surface_parts.h"
@@ -48,6 +49,13 @@ class TextureCoordinates {
   std::vector<std::int64_t> of_vertex_;  // counted from 1; 0: none
   bool seams_ = false;
 };
+
+std::optional<FaceGroups::Kind> group_kind(std::string_view key) {
+  if (key == "o") return FaceGroups::solid;
+  if (key == "g") return FaceGroups::group;
+  if (key == "usemtl") return FaceGroups::material;
+  return std::nullopt;
+}
 
 bool is_keyword(std::string_view word) {
   const auto in_keyword = [](unsigned char c) { return std::isalnum(c) || c == '_'; };
@@ -115,11 +123,8 @@ Result<Polygons> parse_obj(std::string_view name, std::string_view bytes, Surfac
         return in.error();
       }
       out.sizes.push_back(size);
-    } else if (key == "o" || key == "g" || key == "usemtl") {
-      groups.begin(key == "o"   ? FaceGroups::solid
-                   : key == "g" ? FaceGroups::group
-                                : FaceGroups::material,
-                   in, out.sizes.size());
+    } else if (const std::optional<FaceGroups::Kind> kind = group_kind(key)) {
+      groups.begin(*kind, in, out.sizes.size());
     } else if (key == "vt") {
       texture.read(in);
     } else {
