@@ -41,7 +41,7 @@ struct SurfaceAttributes {
 };
 
 // The same after vertices and faces were left out or put in another order: for each of the new ones, the
-// number of the old one. pre: numbers in range of what the attributes were for.
+// number of the old one; empty: all are as they were. pre: numbers in range of what the attributes were for.
 SurfaceAttributes carried(const SurfaceAttributes& attributes, const std::vector<Index>& old_vertex,
                           const std::vector<Index>& old_face);
 

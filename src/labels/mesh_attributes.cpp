@@ -222,15 +222,19 @@ std::vector<Attribute> with_inner_vertices(const std::vector<Attribute>& data, s
 
 SurfaceAttributes carried(const SurfaceAttributes& a, const std::vector<Index>& old_vertex,
                           const std::vector<Index>& old_face) {
-  SurfaceAttributes out;
-  out.faces = {picked(a.faces.of, old_face), a.faces.names};
-  out.solids = {picked(a.solids.of, old_face), a.solids.names};
-  out.vertex_data = picked(a.vertex_data, old_vertex);
-  out.face_data = picked(a.face_data, old_face);
-  out.input_vertex = a.input_vertex.empty() ? old_vertex : picked(a.input_vertex, old_vertex);
-  out.input_face = a.input_face.empty() ? old_face : picked(a.input_face, old_face);
-  if (is_identity(out.input_vertex, old_vertex.size())) out.input_vertex.clear();
-  if (is_identity(out.input_face, old_face.size())) out.input_face.clear();
+  SurfaceAttributes out = a;
+  if (!old_vertex.empty()) {
+    out.vertex_data = picked(a.vertex_data, old_vertex);
+    out.input_vertex = a.input_vertex.empty() ? old_vertex : picked(a.input_vertex, old_vertex);
+    if (is_identity(out.input_vertex, old_vertex.size())) out.input_vertex.clear();
+  }
+  if (!old_face.empty()) {
+    out.faces.of = picked(a.faces.of, old_face);
+    out.solids.of = picked(a.solids.of, old_face);
+    out.face_data = picked(a.face_data, old_face);
+    out.input_face = a.input_face.empty() ? old_face : picked(a.input_face, old_face);
+    if (is_identity(out.input_face, old_face.size())) out.input_face.clear();
+  }
   return out;
 }
 

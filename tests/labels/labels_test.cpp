@@ -140,6 +140,7 @@ TEST(MeshAttributes, AreCarriedWhereVerticesAndFacesAreLeftOut) {
   const SurfaceAttributes twice = carried(once, {1}, {1});
   EXPECT_EQ(twice.input_vertex, List{});  // vertex 0 again, under its own number
   EXPECT_EQ(twice.input_face, List{2});
+  EXPECT_EQ(carried(in, {}, {2}).vertex_data[0].values, in.vertex_data[0].values);
 }
 
 struct Wrong {
