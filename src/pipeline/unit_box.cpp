@@ -46,9 +46,9 @@ Result<UnitBox> into_unit_box(VertexMatrix& V) {
     extent[i] = exponent_of(high / 2 - low / 2) + 1;
     reach[i] = exponent_of(largest);
     if (std::abs(reach[i]) > kMaxExponent)
-      return Error{ErrorCode::unsolved, "The largest coordinate is " + short_number(largest) +
-                                            ", and a double cannot hold the volumes of tets of that size" +
-                                            " (the limits are about 1e-72 and 1e72): scale the model."};
+      return Error{ErrorCode::bad_input, "The largest coordinate is " + short_number(largest) +
+                                             ", and a double cannot hold the volumes of tets of that size" +
+                                             " (the limits are about 1e-72 and 1e72): scale the model."};
   }
   const int widest = *std::max_element(extent.begin(), extent.end());
   const int all = *std::max_element(reach.begin(), reach.end());
