@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <variant>
 
 #include "overtet/diagnosis.h"
 #include "overtet/io.h"
@@ -333,8 +334,8 @@ void explain_in_file(const InputSurface& input, SurfaceDiagnosis& d) {
   if (input.cleanup.problem) {
     error = *input.cleanup.problem;
     d.verdict = Verdict::bad_input;
-  } else if (d.verdict == Verdict::bad_input && !d.degenerate_faces.empty()) {
-    error.face = d.degenerate_faces[0];
+  } else if (d.certificate) {
+    if (const auto* area = std::get_if<AreaCertificate>(&*d.certificate)) error.face = area->face;
   }
   d.message = input.in_file(error).message;
 }

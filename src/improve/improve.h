@@ -44,6 +44,7 @@ struct SizeOptions {
   bool any() const { return std::isfinite(max_volume) || std::isfinite(max_edge) || !at_surface.empty(); }
 };
 
+// More than 12 members: flat options, which callers set by name.
 struct ImproveOptions {
   // Circumradius over shortest edge that refinement aims at; 0: no refinement.
   double radius_edge = 2.0;

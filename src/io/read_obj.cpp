@@ -63,6 +63,20 @@ bool is_keyword(std::string_view word) {
          std::all_of(word.begin(), word.end(), in_keyword);
 }
 
+// The vertex that a corner names, as the file does. False: the cursor has the error.
+bool read_corner(TextCursor& in, std::string_view corner, std::int64_t face, std::int64_t vertices,
+                 std::int64_t& v) {
+  const auto which = [&] { return " (face " + std::to_string(face) + ")"; };
+  const std::string_view number = corner.substr(0, corner.find('/'));
+  const auto [stop, code] = std::from_chars(number.data(), number.data() + number.size(), v);
+  if (code != std::errc() || stop != number.data() + number.size())
+    return in.fail(quoted(corner) + " does not name a vertex" + which());
+  if (v == 0) return in.fail("there is no vertex 0; OBJ numbers vertices from 1" + which());
+  if (vertices + v < 0)
+    return in.fail("there are fewer than " + std::to_string(-v) + " vertices before this line" + which());
+  return true;
+}
+
 }  // namespace
 
 // Reads v and f lines, and what they carry; everything else that looks like an OBJ keyword is ignored.
@@ -98,26 +112,14 @@ Result<Polygons> parse_obj(std::string_view name, std::string_view bytes, Surfac
       Index size = 0;
       out.face_line.push_back(static_cast<std::uint32_t>(in.line()));
       while (!in.at_line_end()) {
-        std::string_view corner = in.token();
-        const std::string_view whole = corner;
-        corner = corner.substr(0, corner.find('/'));
+        const std::string_view corner = in.token();
         std::int64_t v = 0;
-        const auto [stop, code] = std::from_chars(corner.data(), corner.data() + corner.size(), v);
-        if (code != std::errc() || stop != corner.data() + corner.size()) {
-          in.fail(quoted(whole) + " does not name a vertex (" + which() + ")");
-          return in.error();
-        }
+        if (!read_corner(in, corner, face, vertices, v)) return in.error();
         const std::int64_t zero_based = v > 0 ? v - 1 : vertices + v;
-        if (v == 0 || zero_based < 0) {
-          in.fail(v == 0 ? "there is no vertex 0; OBJ numbers vertices from 1 (" + which() + ")"
-                         : "there are fewer than " + std::to_string(-v) + " vertices before this line (" +
-                               which() + ")");
-          return in.error();
-        }
         if (v > vertices && v > ahead) ahead = v, ahead_line = in.line(), ahead_face = face;
         if (zero_based > kMaxCount) break;
         out.corners.push_back(static_cast<Index>(zero_based));
-        texture.corner(static_cast<std::size_t>(zero_based), whole);
+        texture.corner(static_cast<std::size_t>(zero_based), corner);
         ++size;
       }
       if (ahead > kMaxCount) break;

@@ -27,6 +27,7 @@
 
 namespace overtet {
 
+// More than 12 members: flat options, which callers set by name.
 struct OpeningOptions {
   enum class Moves {
     surface,  // moved vertices of the surface, as said above

@@ -121,7 +121,7 @@ TEST_F(RawFiles, AFaceWithoutAreaIsNamedAsInTheFile) {
                    "v 9 9 9\nv 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\nv 1 0 0\n"
                    "f 2 4 3\nf 2 5 4\nf 3 4 5\nf 2 6 5\nf 6 3 5\nf 2 3 6\n");
   const ShellResult r = run("mesh " + folder_.file("a.obj") + " -o " + folder_.file("o.mesh"));
-  EXPECT_EQ(r.exit_code, 3);
+  EXPECT_EQ(r.exit_code, 5);
   EXPECT_NE(r.err.find("face 6 (line 12)"), std::string::npos) << r.err;
 }
 

@@ -519,6 +519,47 @@ TEST_F(Cli, RepairMakesAMeshOrASurface) {
   EXPECT_EQ(run("repair " + in + " -o " + surface + " --report " + surface).exit_code, 2);
 }
 
+// Labels of the file, when faces were left out, subdivided or moved.
+TEST_F(Cli, LabelsGoWithTheSurfaceWhateverIsDoneToIt) {
+  const std::string in = folder_.file("in.off"), mesh = folder_.file("o.vtu");
+  const Surface s = test::obstructed_elbow(0);
+  Labels labels;
+  for (Index f = 0; f < s.F.rows(); ++f) labels.of.push_back(7 + f % 3);
+  for (const char* name : {"s.off", "s.ply"}) {
+    const std::string surface = folder_.file(name);
+    // With a face that is there twice and a vertex that none has.
+    Surface raw = s;
+    raw.V.conservativeResize(s.V.rows() + 1, 3);
+    raw.V.row(s.V.rows()).setZero();
+    raw.F.conservativeResize(s.F.rows() + 1, 3);
+    raw.F.row(s.F.rows()) = raw.F.row(1);
+    Labels with_copy = labels;
+    with_copy.of.push_back(99);
+    ASSERT_TRUE(write_surface(in, raw, SurfaceFormat::off, {}, &with_copy).ok());
+    for (const std::string how : {"refine", "branch", "repair"}) {
+      const ShellResult r =
+          run("mesh " + in + " -o " + mesh + " --on-infeasible " + how + " --save-surface " + surface +
+              " --save-cleaned " + folder_.file("c.off") + " --report " + folder_.file("r.json"));
+      ASSERT_EQ(r.exit_code, 0) << r.err;
+      const Result<LabelledTetMesh> made = read_labelled_tets(mesh);
+      ASSERT_TRUE(made.ok());
+      std::vector<Index> expected = labels.of;
+      if (how == "refine") {
+        expected.clear();
+        for (const Index f : report("r.json")["refined"]["faces"])
+          expected.push_back(labels.of[static_cast<std::size_t>(f)]);
+      }
+      EXPECT_EQ(made.value().attributes.labels.of, expected) << how;
+      SurfaceReadInfo info;
+      ASSERT_TRUE(read_surface(folder_.file("c.off"), &info).ok());
+      EXPECT_EQ(info.attributes.faces.of, labels.of);
+      ASSERT_TRUE(read_surface(surface, &info).ok());
+      EXPECT_EQ(info.attributes.faces.of, expected) << how;
+      EXPECT_EQ(run("verify --allow-branches " + surface + " " + mesh).exit_code, 0) << how;
+    }
+  }
+}
+
 TEST_F(Cli, RefinesAndBranchesOnRequest) {
   const std::string in = save("elbow.off", test::obstructed_elbow(0));
   const std::string mesh = folder_.file("o.mesh"), surface = folder_.file("s.off");
