@@ -328,7 +328,7 @@ TEST_F(Cli, MeshesACleanSurface) {
     EXPECT_TRUE(s["seconds"].is_number() && s["cpu_seconds"].is_number() && s["iterations"].is_number());
   }
   EXPECT_EQ(stages, (std::vector<std::string>{"read", "diagnose", "tet_mesh", "improve", "set_apart",
-                                              "verify", "measure", "write"}));
+                                              "verify", "measure", "label", "write"}));
   EXPECT_EQ(j["quality"]["coincident_vertices"], 0);
   EXPECT_GT(j["quality"]["closest_pair"], 1e-6);
 
