@@ -20,7 +20,7 @@
 namespace overtet {
 
 enum class Verdict {
-  bad_input,  // not a closed, oriented, manifold surface of faces with area: fix what `message` names first
+  bad_input,  // not a closed, oriented, manifold surface: fix what `message` names first
   embedded,   // no two faces intersect and the winding is right: an ordinary tet mesh will do
   feasible,   // passes through itself; nothing that forbids a mesh was found
   infeasible  // no mesh exists: the certificate proves it

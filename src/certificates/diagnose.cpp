@@ -208,14 +208,12 @@ Status diagnose_further(const Surface& surface, const DiagnoseOptions& options, 
 }
 
 std::optional<Error> refuse(const Diagnosis& d) {
-  if (d.verdict == Verdict::bad_input) {
-    Error error{ErrorCode::bad_input, d.message};
-    if (d.topology.ok() && !d.degenerate_faces.empty()) error.face = d.degenerate_faces[0];
-    return error;
-  }
+  if (d.verdict == Verdict::bad_input) return Error{ErrorCode::bad_input, d.message};
   if (d.verdict != Verdict::infeasible) return std::nullopt;
   Error error{ErrorCode::infeasible, d.message};
-  if (d.certificate) error.certificate = std::make_shared<const Certificate>(*d.certificate);
+  if (!d.certificate) return error;
+  error.certificate = std::make_shared<const Certificate>(*d.certificate);
+  if (const auto* flat = std::get_if<AreaCertificate>(&*d.certificate)) error.face = flat->face;
   return error;
 }
 

@@ -30,7 +30,7 @@ struct SizeWishes {
   bool coarse = false;
 };
 
-// More than 12 members: one a flag.
+// More than 12 members: what the user chose, option by option.
 struct MeshCommand {
   std::string input, output, report, format, save_surface, save_stages, resume;
   std::string on_infeasible = "reject", preset = "default";

@@ -2,7 +2,6 @@
 
 #include <iterator>
 #include <utility>
-#include <variant>
 
 #include "src/cli/commands.h"
 
@@ -39,8 +38,6 @@ Status check(const std::string& path, const InputOptions& o) {
 }  // namespace
 
 Error InputSurface::in_file(Error error) const {
-  if (error.certificate)
-    if (const auto* area = std::get_if<AreaCertificate>(error.certificate.get())) error.face = area->face;
   if (error.face < 0 || error.face >= surface().F.rows()) return error;
   if (source.face_in_file(error.face) == error.face && source.first == 0 && source.face_line.empty())
     return error;

@@ -162,7 +162,7 @@ TEST(Rules, EachHasASentenceAndProperties) {
     EXPECT_TRUE(sentences.insert(explain(c)).second) << explain(c);
     ++names[rule_name(c)];
   }
-  EXPECT_EQ(names.size(), 9u);
+  EXPECT_EQ(names.size(), 10u);
   EXPECT_EQ(names["unpaired"], 2);
 }
 

@@ -41,13 +41,13 @@ TEST(UnitBox, ThinModelsAreScaledByAxis) {
 }
 
 TEST(UnitBox, RefusesWhatCannotBeScaled) {
-  const auto refused = [](VertexMatrix V) {
+  const auto refused = [](VertexMatrix V, ErrorCode code = ErrorCode::unsolved) {
     const Result<UnitBox> box = into_unit_box(V);
-    return !box.ok() && box.error().code == ErrorCode::bad_input;
+    return !box.ok() && box.error().code == code;
   };
   const VertexMatrix V = test::sphere(1).V;
-  EXPECT_TRUE(refused(V * 1e-300));
-  EXPECT_TRUE(refused(V * 1e200));
+  EXPECT_TRUE(refused(V * 1e-300, ErrorCode::bad_input));
+  EXPECT_TRUE(refused(V * 1e200, ErrorCode::bad_input));
   EXPECT_TRUE(refused(V * 0));
   VertexMatrix flat = V;
   flat.col(1).setConstant(7);

@@ -236,7 +236,7 @@ TEST(Repair, FacesWithoutAreaGetOne) {
   // A corner of a face onto the middle of the opposite edge.
   const auto f = s.F.row(40);
   s.V.row(f[0]) = (s.V.row(f[1]) + s.V.row(f[2])) / 2;
-  ASSERT_EQ(verdict_of(s), Verdict::bad_input);
+  ASSERT_EQ(verdict_of(s), Verdict::infeasible);
   const RepairResult r = repaired(s);
   EXPECT_FALSE(r.moved.empty());
   EXPECT_LE(r.moved.size(), 3u);
