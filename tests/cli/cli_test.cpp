@@ -546,8 +546,8 @@ TEST_F(Cli, LabelsGoWithTheSurfaceWhateverIsDoneToIt) {
       std::vector<Index> expected = labels.of;
       if (how == "refine") {
         expected.clear();
-        for (const Index f : report("r.json")["refined"]["faces"])
-          expected.push_back(labels.of[static_cast<std::size_t>(f)]);
+        const json refined = report("r.json")["refined"];
+        for (const Index f : refined["faces"]) expected.push_back(labels.of[static_cast<std::size_t>(f)]);
       }
       EXPECT_EQ(made.value().attributes.labels.of, expected) << how;
       SurfaceReadInfo info;
