@@ -18,6 +18,7 @@
 #include <string_view>
 #include <vector>
 
+#include "overtet/attributes.h"
 #include "overtet/curves.h"
 #include "overtet/result.h"
 #include "overtet/run_context.h"
@@ -27,8 +28,12 @@ namespace overtet {
 
 class AtomicFile;  // internal, src/io/file.h
 
-// Surfaces: OBJ, OFF (with colours and normals: COFF, NOFF, ...), PLY (ASCII, both byte orders) and STL
-// (ASCII and binary).
+// A path "-" is standard input or standard output. What is compressed by gzip is read as what it holds; a
+// path that ends in .gz is written so. Extensions count in any case (.OBJ).
+
+// Surfaces: OBJ, OFF (with colours and normals: COFF, NOFF, ...), PLY (ASCII, both byte orders), STL
+// (ASCII and binary), glTF 2 (.glb and .gltf), VTP, VTU and legacy VTK (the polygons of them), MEDIT .mesh
+// and Gmsh .msh (the triangles and quadrilaterals of them).
 
 // What a file calls the vertices and faces of the surface that was read from it.
 struct SurfaceSource {
@@ -55,6 +60,7 @@ struct SurfaceReadInfo {
   bool has_vertex_order = true;      // false for STL, which lists corners only
   std::vector<std::string> notes;    // one sentence each, for the user
   SurfaceSource source;              // what the file calls them
+  SurfaceAttributes attributes;      // labels, colours and what else the file says of vertices and faces
 };
 
 // What the file begins with counts more than its extension. Polygons are cut into triangles, the equal
@@ -72,27 +78,66 @@ enum class SurfaceFormat { off, obj, ply };  // PLY: binary, little endian, doub
 
 // By extension: .off, .obj or .ply. Errors: usage.
 Result<SurfaceFormat> surface_format_of(const std::string& path);
-// Errors: io.
+// labels: of the faces, if there are any, so that read_surface() has them again: numbers in OFF (after the
+// corners) and PLY (`label`); groups in OBJ, which are counted from 1 when they are read. Errors: io.
 Status write_surface(const std::string& path, const Surface& surface, SurfaceFormat format,
-                     const RunContext& context = {});
+                     const RunContext& context = {}, const Labels* labels = nullptr);
 
-// Tet meshes: MEDIT .mesh, Gmsh .msh 2.2 and 4.1, VTU, TetGen .node and .ele (of which both are complete
-// before either gets its name).
+// Tet meshes: MEDIT .mesh, Gmsh .msh 2.2 and 4.1, VTU, TetGen .node, .ele and .face, Abaqus .inp, legacy VTK
+// .vtk. Where several files belong together, all are complete before any gets its name.
+//
+// Besides the tets a file has what attributes.h says, as far as the format has a place for it:
+//   MEDIT    Triangles with labels as references, regions as references of tets
+//   Gmsh     a surface entity and a physical group for each label, a volume and a group for each region, with
+//            their names; as node data and (4.1) element data what is not what one would expect: layers other
+//            than 1, input_vertex and input_face other than the own numbers
+//   VTU, VTK all of it: cell data of the tets, point data, and the triangles as field data (boundary_...);
+//            the triangles once more as cells of a file NAME_boundary.vtp, to look at
+//   TetGen   .face with labels as markers, regions as attributes in .ele
+//   Abaqus   sets and surfaces for labels and regions. Coordinates that take more than the 20 characters
+//            that CalculiX reads are rounded, and stand before that in a comment as they are, for
+//            read_tets().
 
-enum class TetFormat { medit, gmsh22, gmsh41, vtu, tetgen };
+enum class TetFormat { medit, gmsh22, gmsh41, vtu, tetgen, abaqus, vtk };
 
-// "medit", "msh22", "msh41", "vtu", "tetgen". Errors: usage.
+// "medit", "msh22", "msh41", "vtu", "tetgen", "abaqus", "vtk". Errors: usage.
 Result<TetFormat> tet_format_named(std::string_view name);
-// By extension: .mesh, .msh (4.1), .vtu, .node or .ele. Errors: usage.
+std::string_view name_of(TetFormat format);
+bool keeps_layers(TetFormat format);  // whether it has a place for MeshAttributes::layers
+// By extension: .mesh, .msh (4.1), .vtu, .node or .ele, .inp, .vtk, and any of these with .gz. Errors: usage.
 Result<TetFormat> tet_format_of(const std::string& path);
 
-// For TetGen the path may end in .node or .ele, and both files are written. Errors: io.
+// For TetGen the path may end in .node or .ele. Tets and nothing else. Errors: io.
 Status write_tets(const std::string& path, const TetMesh& mesh, TetFormat format,
                   const RunContext& context = {});
 
-// Vertices and tets in file order; other elements are skipped. `surface_vertices` is 0. VTU: ASCII, inline
-// binary and raw appended, uncompressed. The extension decides. Errors: usage (the extension), bad_input, io.
+// The files that a mesh of this format is written to, the named one first; for a pipe or standard output only
+// that.
+std::vector<std::string> tet_files(const std::string& path, TetFormat format);
+
+struct TetWriteOptions {
+  TetFormat format = TetFormat::medit;
+  int order =
+      1;  // 2: tets with ten vertices, triangles with six; those in the middle of edges, at (a + b) / 2
+
+  Status validate() const;  // Errors: usage.
+};
+// With what the attributes say. Errors: usage (options; several files to standard output), io.
+Status write_tets(const std::string& path, const TetMesh& mesh, const MeshAttributes& attributes,
+                  const TetWriteOptions& options, const RunContext& context = {});
+
+// Vertices and tets in file order; `surface_vertices` is 0. Of tets with ten vertices the corners are read,
+// and vertices that only lie on edges are left out. VTU: ASCII, inline binary and appended, uncompressed or
+// with zlib. The extension decides, or what the file begins with. Errors: usage (neither tells), bad_input,
+// io.
 Result<TetMesh> read_tets(const std::string& path, const RunContext& context = {});
+
+// The same with all that the file says besides. Triangles that no label is given for have label 0; the arrays
+// that a file has no place for are as one would expect: input_face counts the triangles, input_vertex the
+// vertices that triangles have.
+Result<LabelledTetMesh> read_labelled_tets(const std::string& path, const RunContext& context = {});
+Result<LabelledTetMesh> read_labelled_tets(const std::string& path, TetFormat format,
+                                           const RunContext& context = {});
 
 // Curves, to look at: VTP (for ParaView; one line cell per segment, with what curves.h says of segments and
 // points as data) and OBJ (one group with one `l` element per curve, no data).

@@ -9,6 +9,7 @@
 //   certificate.h   why there is no mesh
 //   repair.h        repair_surface()
 //   verification.h  verify(), tet_quality()
+//   attributes.h    labels, regions, layers and what else goes with a mesh
 //   curves.h        intersection_curves()
 //   io.h            reading and writing
 //   report.h        what a run says about itself, as JSON
@@ -17,6 +18,7 @@
 // Functions may be called from several threads at once. The library keeps no state between calls.
 #pragma once
 
+#include "overtet/attributes.h"
 #include "overtet/certificate.h"
 #include "overtet/cleanup.h"
 #include "overtet/curves.h"

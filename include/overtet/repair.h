@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "overtet/report.h"
 #include "overtet/result.h"
 #include "overtet/run_context.h"
 #include "overtet/types.h"
@@ -23,8 +24,9 @@ struct SurfaceRepair {
 // OnInfeasible::repair keeps it). A surface that has one comes back as it is. Guaranteed: no vertex moves
 // farther than max_relative_move, the faces stay, the same input gives the same result on any number of
 // threads. That few vertices move, and little, is the aim but not guaranteed. Errors: as of tetrahedralize();
-// where larger moves would do, the message says how large. Never throws.
+// where larger moves would do, the message says how large. Never throws. report: as tetrahedralize() fills
+// it.
 Result<SurfaceRepair> repair_surface(const Surface& surface, const SurfaceRepairOptions& options = {},
-                                     const RunContext& context = {});
+                                     const RunContext& context = {}, Report* report = nullptr);
 
 }  // namespace overtet

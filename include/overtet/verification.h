@@ -12,6 +12,8 @@
 //       allowed (the paper's hinges). With allow_branches more is allowed inside, too: such edges are
 //       branch lines.
 //
+// attributes.h has a seventh, about files: R7, the triangles and labels in them are the surface's.
+//
 // R6 needs no angles: in a ring of positive tets around an edge the number of turns is the number of tets
 // whose wedge contains a fixed direction, which two exact orientations per tet decide.
 //
@@ -42,7 +44,7 @@ struct VerifyOptions {
   bool allow_branches = false;
 };
 
-enum class Rule { R1 = 1, R2, R3, R4, R5, R6 };
+enum class Rule { R1 = 1, R2, R3, R4, R5, R6, R7 };
 
 struct VerifyFailure {
   Rule rule;

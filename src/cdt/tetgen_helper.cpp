@@ -29,8 +29,8 @@ std::string this_library() {
 Result<std::string> tetgen_helper(const RunContext& context) {
   if (!context.tetgen_helper.empty()) {
     if (runs(context.tetgen_helper)) return context.tetgen_helper;
-    return Error{ErrorCode::internal,
-                 "Cannot run the program overtet-tetgen as " + context.tetgen_helper + "."};
+    return Error{ErrorCode::io, "Cannot run the program overtet-tetgen as " + context.tetgen_helper +
+                                    "; TetGen runs in it."};
   }
   const std::string beside_program = folder_of(running_program()), beside_library = folder_of(this_library());
   for (const std::string& path :
@@ -39,8 +39,9 @@ Result<std::string> tetgen_helper(const RunContext& context) {
         std::string(OVERTET_LIBEXEC "/overtet/overtet-tetgen"),
         std::string("/usr/libexec/overtet/overtet-tetgen")})
     if (runs(path)) return path;
-  return Error{ErrorCode::internal, "The program overtet-tetgen was not found beside " + running_program() +
-                                        " or where Overtet was installed; reinstall Overtet."};
+  return Error{ErrorCode::io,
+               "The program overtet-tetgen, in which TetGen runs, is missing: put it into the folder " +
+                   beside_program + ", beside the program, or install Overtet again."};
 }
 
 }  // namespace overtet

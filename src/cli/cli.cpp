@@ -1,11 +1,14 @@
 #include "src/cli/cli.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <utility>
 
 #include "overtet/version.h"
+#include "src/cli/arguments.h"
 #include "src/cli/commands.h"
 #include "src/cli/signals.h"
 #include "src/cli/tuning.h"
@@ -25,14 +28,14 @@ void add_common(CLI::App& command, CommonOptions& o) {
   command
       .add_option("--threads", o.threads,
                   "Number of threads (default: all cores); the result does not depend on it")
-      ->check(CLI::Range(1, 4096));
+      ->check(between(1, 4096));
   command.add_option("--time-limit", o.time_limit, "Give up after this many seconds (exit 6)")
-      ->check(CLI::PositiveNumber);
+      ->check(more_than_zero());
   command
       .add_option("--memory-limit", o.memory_limit,
                   "MiB that the program and its child processes may use together (exit 6 if they need more; "
                   "default: 90 % of what is free)")
-      ->check(CLI::PositiveNumber);
+      ->check(more_than_zero());
   command.add_flag("--quiet,-q", o.quiet, "Print errors only");
   command.add_option("--log-level", o.log_level, "Which messages to print: error, warning, info or debug")
       ->check(CLI::IsMember({"error", "warning", "info", "debug"}))
@@ -50,18 +53,34 @@ void add_cleaning(CLI::App& command, InputOptions& o) {
   command.add_option("--save-cleaned", o.save_cleaned, "Write the cleaned surface: .off, .obj or .ply");
 }
 
+const char* surface_help() {
+  return "Surface: .obj, .off, .ply, .stl, .glb, .gltf, .vtp, .vtk, .msh or .mesh; with .gz: compressed; -: "
+         "standard input";
+}
+std::string tet_formats() { return "medit, msh22, msh41, vtu, tetgen, abaqus or vtk"; }
+const std::vector<std::string> tet_format_names = {"medit",  "msh22",  "msh41", "vtu",
+                                                   "tetgen", "abaqus", "vtk"};
+
+void add_order(CLI::App* command, int& order) {
+  command->add_option("--order", order, "2: tets with ten vertices, those in the middle of edges included")
+      ->check(CLI::IsMember({1, 2}))
+      ->capture_default_str();
+}
+
 CLI::App* add_mesh(CLI::App& app, MeshCommand& mesh) {
   CLI::App* command = app.add_subcommand("mesh", "Make a tet mesh of a surface");
-  command->add_option("INPUT", mesh.input, "Surface: .obj, .off, .ply or .stl")->required();
-  command
-      ->add_option("--output,-o", mesh.output,
-                   "Tet mesh: .mesh, .msh, .vtu, or .node or .ele (both are written)")
-      ->required();
+  command->add_option("INPUT", mesh.input, surface_help())->required();
   command
       ->add_option(
-          "--format", mesh.format,
-          "medit, msh22, msh41, vtu or tetgen (default: by the extension of the output; .msh: msh41)")
-      ->check(CLI::IsMember({"medit", "msh22", "msh41", "vtu", "tetgen"}));
+          "--output,-o", mesh.output,
+          "Tet mesh: .mesh, .msh, .vtu, .inp, .vtk, or .node (also writes .ele and .face); with .gz: "
+          "compressed; -: standard output")
+      ->required();
+  command
+      ->add_option("--format", mesh.format,
+                   tet_formats() + " (default: by the extension of the output; .msh: msh41)")
+      ->check(CLI::IsMember(tet_format_names));
+  add_order(command, mesh.order);
   command->add_option("--report", mesh.report, "Write a JSON report to this file, even if no mesh is made");
   command
       ->add_option(
@@ -72,6 +91,11 @@ CLI::App* add_mesh(CLI::App& app, MeshCommand& mesh) {
       ->check(CLI::IsMember({"reject", "repair", "refine", "branch"}))
       ->capture_default_str();
   command
+      ->add_option("--max-move", mesh.max_move,
+                   "Largest move of a vertex in a repair, in percent of the diagonal of the bounding box")
+      ->check(between(1e-6, 100))
+      ->capture_default_str();
+  command
       ->add_option("--preset", mesh.preset,
                    "default: the immersion route, then the others if that finds no mesh; flow (or "
                    "paper): the flow route only")
@@ -80,7 +104,7 @@ CLI::App* add_mesh(CLI::App& app, MeshCommand& mesh) {
   command
       ->add_option("--improve", mesh.improve_degrees,
                    "Smallest dihedral angle that the quality pass aims at, in degrees; 0: no quality pass")
-      ->check(CLI::Range(0.0, 40.0))
+      ->check(between(0, 40))
       ->capture_default_str();
   command->add_option(
       "--save-surface", mesh.save_surface,
@@ -88,11 +112,11 @@ CLI::App* add_mesh(CLI::App& app, MeshCommand& mesh) {
   command
       ->add_option("--max-volume", mesh.sizes.max_volume,
                    "Largest volume of a tet, in the cube of the surface's unit")
-      ->check(CLI::PositiveNumber);
+      ->check(more_than_zero());
   command
       ->add_option("--max-edge", mesh.sizes.max_edge,
                    "Longest edge inside, in the surface's unit (edges of the surface stay as they are)")
-      ->check(CLI::PositiveNumber);
+      ->check(more_than_zero());
   command->add_option(
       "--size", mesh.sizes.file,
       "File with a number for each vertex of the surface: the longest edge inside there, 0 for any; "
@@ -107,11 +131,11 @@ CLI::App* add_mesh(CLI::App& app, MeshCommand& mesh) {
 
 CLI::App* add_inspect(CLI::App& app, InspectCommand& inspect) {
   CLI::App* command = app.add_subcommand("inspect", "Describe a surface and say whether it can be meshed");
-  command->add_option("INPUT", inspect.input, "Surface: .obj, .off, .ply or .stl")->required();
+  command->add_option("INPUT", inspect.input, surface_help())->required();
   command->add_flag("--json", inspect.json, "Print JSON");
   command->add_flag("--pairs", inspect.pairs, "List the intersecting pairs of faces");
   command->add_flag("--curves", inspect.curves,
-                    "With --json: list every point of the curves, with its two places on the surface");
+                    "List every point of the curves, with its two places on the surface");
   command->add_option("--save-curves", inspect.save_curves,
                       "Write the curves in which the surface crosses itself to this file: .vtp or .obj");
   command->add_option("--save-defects", inspect.clean.save_defects,
@@ -119,15 +143,25 @@ CLI::App* add_inspect(CLI::App& app, InspectCommand& inspect) {
   command
       ->add_option("--places", inspect.clean.most_places,
                    "How many places of each kind of defect to list (--json) and to save")
-      ->check(CLI::Range(1, 1000000))
+      ->check(between(1, 1000000))
       ->capture_default_str();
+  command
+      ->add_option(
+          "--fail-on", inspect.fail_on,
+          "Exit with 5 if the surface is infeasible, with 3 if it is unclean (no closed surface of faces "
+          "with area that are oriented alike); without this, 3 only if it cannot be looked at")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"infeasible", "unclean"}));
+  command->footer(
+      "Exit codes: 0 the surface was inspected (be it infeasible), 3 it is bad input, 5 it is infeasible and "
+      "--fail-on says so.");
   return command;
 }
 
 CLI::App* add_repair(CLI::App& app, RepairCommand& repair) {
   CLI::App* command = app.add_subcommand(
       "repair", "Move a few vertices of a surface a little so that a tet mesh exists, and make that mesh");
-  command->add_option("INPUT", repair.input, "Surface: .obj, .off, .ply or .stl")->required();
+  command->add_option("INPUT", repair.input, surface_help())->required();
   command
       ->add_option("--output,-o", repair.output,
                    "Tet mesh: .mesh, .msh, .vtu, .node or .ele; or the repaired surface: .off, .obj or .ply")
@@ -135,28 +169,52 @@ CLI::App* add_repair(CLI::App& app, RepairCommand& repair) {
   command->add_flag("--surface-only", repair.surface_only,
                     "Write the repaired surface instead of a tet mesh");
   command->add_option("--report", repair.report,
-                      "Write a JSON report to this file (only if a tet mesh is made)");
+                      "Write a JSON report to this file, even if the repair fails");
   command
       ->add_option("--max-move", repair.max_move,
                    "Largest move of a vertex, in percent of the diagonal of the bounding box")
-      ->check(CLI::Range(1e-6, 100.0))
+      ->check(between(1e-6, 100))
       ->capture_default_str();
   return command;
 }
 
 CLI::App* add_verify(CLI::App& app, VerifyCommand& verify) {
   CLI::App* command = app.add_subcommand("verify", "Check a tet mesh against its surface, exactly");
-  command->add_option("SURFACE", verify.surface, "Surface: .obj, .off, .ply or .stl")->required();
-  command->add_option("TETMESH", verify.mesh, "Tet mesh: .mesh, .msh, .vtu, .node or .ele")->required();
+  command->add_option("SURFACE", verify.surface, surface_help())->required();
+  command->add_option("TETMESH", verify.mesh, "Tet mesh: .mesh, .msh, .vtu, .node, .inp or .vtk")->required();
+  command
+      ->add_option("--format", verify.format,
+                   "Format of the tet mesh: " + tet_formats() + " (default: by its extension)")
+      ->check(CLI::IsMember(tet_format_names));
   command
       ->add_option(
           "--max-move", verify.max_move,
           "Largest move to allow a vertex of the surface, in percent of the diagonal of the bounding box")
-      ->check(CLI::Range(0.0, 100.0))
+      ->check(between(0, 100))
       ->capture_default_str();
   command->add_flag("--allow-branches", verify.allow_branches,
                     "Allow interior edges around which the tets make two turns or more, and count them");
   command->add_flag("--json", verify.json, "Print JSON");
+  return command;
+}
+
+CLI::App* add_convert(CLI::App& app, ConvertCommand& convert) {
+  CLI::App* command = app.add_subcommand(
+      "convert", "Write a tet mesh in another format, with its labels and to the last bit");
+  command
+      ->add_option("INPUT", convert.input,
+                   "Tet mesh: .mesh, .msh, .vtu, .node, .inp or .vtk; -: standard input")
+      ->required();
+  command->add_option("OUTPUT", convert.output, "Tet mesh, of these formats; -: standard output")->required();
+  command
+      ->add_option("--from", convert.from,
+                   "Format of the input: " + tet_formats() + " (default: by its extension or contents)")
+      ->check(CLI::IsMember(tet_format_names));
+  command
+      ->add_option("--format", convert.format,
+                   "Format of the output (default: by its extension; .msh: msh41)")
+      ->check(CLI::IsMember(tet_format_names));
+  add_order(command, convert.order);
   return command;
 }
 
@@ -169,6 +227,7 @@ int parse_and_run(int argc, char** argv) {
   app.require_subcommand(1);
   app.set_version_flag("--version", "overtet " + version());
   app.footer(
+      "overtet FILE -o OUTPUT is short for overtet mesh; overtet help COMMAND explains one.\n"
       "Exit codes: 0 done, 2 usage, 3 bad input, 4 unsolved (verify: the mesh is wrong), 5 infeasible (the "
       "report has a witness), 6 time or memory limit, 7 a file cannot be read or written, 70 internal error, "
       "130 interrupted.");
@@ -178,6 +237,7 @@ int parse_and_run(int argc, char** argv) {
   InspectCommand inspect;
   RepairCommand repair;
   VerifyCommand verify;
+  ConvertCommand convert;
   CLI::App* mesh_app = add_mesh(app, mesh);
   add_cleaning(*mesh_app, mesh.clean);
   CLI::App* inspect_app = add_inspect(app, inspect);
@@ -186,15 +246,25 @@ int parse_and_run(int argc, char** argv) {
   add_cleaning(*repair_app, repair.clean);
   CLI::App* verify_app = add_verify(app, verify);
   verify_app->add_flag("--strict", verify.clean.strict, "Refuse a surface that needs a clean-up");
-  for (CLI::App* command : {mesh_app, inspect_app, repair_app, verify_app}) add_common(*command, common);
+  CLI::App* convert_app = add_convert(app, convert);
+  for (CLI::App* command : {mesh_app, inspect_app, repair_app, verify_app, convert_app})
+    add_common(*command, common);
 
+  Result<std::vector<std::string>> words = understood({argv + 1, argv + argc}, app);
+  Terminal complaints(LogLevel::warning, Terminal::Talk::all);
+  if (!words) return fail(complaints, words.error());
   try {
-    app.parse(argc, argv);
+    std::reverse(words.value().begin(), words.value().end());  // as CLI11 wants them
+    app.parse(std::move(words).value());
   } catch (const CLI::Success& e) {
     return app.exit(e);  // --help, --version
+  } catch (const CLI::ExtrasError&) {
+    const std::vector<std::string> extra = app.remaining(true);
+    return fail(complaints,
+                {ErrorCode::usage, "There is one argument too many: " +
+                                       (extra.empty() ? "see overtet --help" : extra.front()) + "."});
   } catch (const CLI::ParseError& e) {
-    Terminal terminal(LogLevel::warning, Terminal::Talk::all);
-    return fail(terminal, {ErrorCode::usage, std::string(e.what()) + " (see overtet --help)."});
+    return fail(complaints, {ErrorCode::usage, std::string(e.what()) + " (see overtet --help)."});
   }
   Terminal terminal(common.quiet ? LogLevel::error : level_named(common.log_level),
                     common.quiet ? Terminal::Talk::errors_only : Terminal::Talk::all);
@@ -202,6 +272,7 @@ int parse_and_run(int argc, char** argv) {
   if (*mesh_app) return run(mesh, common, terminal);
   if (*inspect_app) return run(inspect, common, terminal);
   if (*repair_app) return run(repair, common, terminal);
+  if (*convert_app) return run(convert, common, terminal);
   return run(verify, common, terminal);
 }
 

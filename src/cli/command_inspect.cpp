@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <variant>
 
 #include "overtet/diagnosis.h"
 #include "overtet/io.h"
@@ -235,12 +236,23 @@ void print_hinges(const Findings& f) {
   std::printf("%s\n", d.wound_edges.size() > kListed ? ", ..." : "");
 }
 
-void print_curves(const Curves& curves) {
+void print_points(const Curve& curve) {
+  for (std::size_t n = 0; n < curve.nodes.size(); ++n) {
+    const CurveNode& node = curve.nodes[n];
+    std::printf("              point %zu: %s at %s", n, name_of(node.kind), text_of(node.position).c_str());
+    for (const SurfacePoint& p : node.on)
+      std::printf(", face %d at %s", p.face, text_of(p.barycentric).c_str());
+    std::printf("\n");
+  }
+}
+
+void print_curves(const Curves& curves, bool every_point) {
   const std::size_t n = curves.curves.size();
   std::printf(
       "curves      %zu in which the surface crosses itself, %.6g long: %d closed, %d from hinge to hinge\n",
       n, curves.length, curves.closed(), curves.hinge_to_hinge());
-  for (std::size_t c = 0; c < n && c < kListed; ++c) {
+  const std::size_t shown = every_point ? n : std::min(n, kListed);
+  for (std::size_t c = 0; c < shown; ++c) {
     const Curve& curve = curves.curves[c];
     std::string ends = curve.closed ? "closed" : "from";
     if (!curve.closed)
@@ -254,8 +266,9 @@ void print_curves(const Curves& curves) {
         "            curve %zu: %s, %zu segments, %.6g long, winding %d to %d, faces %d and %d at %s\n", c,
         ends.c_str(), curve.segments.size(), curve.length, curve.winding_min, curve.winding_max,
         curve.segments[0].faces[0], curve.segments[0].faces[1], text_of(curve.nodes[0].position).c_str());
+    if (every_point) print_points(curve);
   }
-  if (n > kListed) std::printf("            and %zu more curves (--json lists all)\n", n - kListed);
+  if (n > shown) std::printf("            and %zu more curves (--json lists all)\n", n - shown);
   if (curves.triple_points() > 0)
     std::printf("junctions   %d points where three or more strands meet, the first at %s\n",
                 curves.triple_points(),
@@ -263,6 +276,17 @@ void print_curves(const Curves& curves) {
                                      [](const Junction& j) { return j.strands.size() > 2; })
                             ->position)
                     .c_str());
+}
+
+// What the lines above have not said.
+std::string verdict_text(const SurfaceDiagnosis& d) {
+  if (d.verdict == Verdict::feasible) return "nothing found rules out a mesh that overlaps itself.";
+  if (d.verdict == Verdict::embedded) return "any mesh generator for solids will do.";
+  return d.message;
+}
+
+bool unclean(const SurfaceDiagnosis& d) {
+  return !d.closed || !d.manifold || !d.oriented || !d.degenerate_faces.empty() || !d.problems.empty();
 }
 
 void print(const Findings& f) {
@@ -289,15 +313,19 @@ void print(const Findings& f) {
     std::printf("crossings   %zu pairs of faces\n", d.pairs.size());
     std::printf("hinges      %zu vertices whose one-ring crosses itself\n", d.hinges.size());
     print_hinges(f);
-    print_curves(d.curves);
+    print_curves(d.curves, f.list_curves);
     std::printf("winding     %d to %d\n", *d.winding_min, *d.winding_max);
   }
   if (f.list_pairs)
     for (const auto& [a, b] : d.pairs) std::printf("pair        %d %d\n", a, b);
-  std::printf("verdict     %s: %s\n", verdict_name(d.verdict), d.message.c_str());
-  if (d.certificate) std::printf("witness     %s\n", to_json(*d.certificate).c_str());
+  const auto said = [&](const std::string& sentence) {
+    return std::find(d.problems.begin(), d.problems.end(), sentence) != d.problems.end();
+  };
+  std::printf("verdict     %s%s\n", verdict_name(d.verdict),
+              said(d.message) ? "" : (": " + verdict_text(d)).c_str());
   if (f.input.cleanup.problem) return;  // the defects say it, in numbers of the file
-  for (const std::string& advice : d.advice) std::printf("advice      %s\n", advice.c_str());
+  for (const std::string& advice : d.advice)
+    if (!said(advice) && advice != d.message) std::printf("advice      %s\n", advice.c_str());
 }
 
 // The verdict on a surface that cannot be cleaned, and the file's numbers of a face without area.
@@ -306,8 +334,8 @@ void explain_in_file(const InputSurface& input, SurfaceDiagnosis& d) {
   if (input.cleanup.problem) {
     error = *input.cleanup.problem;
     d.verdict = Verdict::bad_input;
-  } else if (d.verdict == Verdict::bad_input && !d.degenerate_faces.empty()) {
-    error.face = d.degenerate_faces[0];
+  } else if (d.certificate) {
+    if (const auto* area = std::get_if<AreaCertificate>(&*d.certificate)) error.face = area->face;
   }
   d.message = input.in_file(error).message;
 }
@@ -345,9 +373,18 @@ int run(const InspectCommand& command, const CommonOptions& common, Terminal& te
   else
     print(findings);
   if (std::fflush(stdout) != 0) return fail(terminal, {ErrorCode::io, "Cannot write to standard output."});
-  // A surface that cannot be used is bad input here too; one that no mesh exists for was inspected well.
-  return diagnosis.verdict == Verdict::bad_input ? fail(terminal, {ErrorCode::bad_input, diagnosis.message})
-                                                 : 0;
+  // A surface that cannot be used is bad input here too; one that no mesh exists for was inspected well. The
+  // text has said why.
+  const auto fails_on = [&](const char* what) {
+    return std::find(command.fail_on.begin(), command.fail_on.end(), what) != command.fail_on.end();
+  };
+  if (diagnosis.verdict == Verdict::bad_input || (fails_on("unclean") && unclean(diagnosis))) {
+    if (command.json) return fail(terminal, {ErrorCode::bad_input, diagnosis.message});
+    return static_cast<int>(ErrorCode::bad_input);
+  }
+  if (diagnosis.verdict == Verdict::infeasible && fails_on("infeasible"))
+    return static_cast<int>(ErrorCode::infeasible);
+  return 0;
 }
 
 }  // namespace overtet

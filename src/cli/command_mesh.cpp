@@ -1,15 +1,14 @@
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <ctime>
 #include <functional>
+#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "overtet/attributes.h"
 #include "overtet/io.h"
 #include "overtet/meshing.h"
 #include "src/cli/commands.h"
@@ -19,22 +18,14 @@ namespace overtet {
 
 namespace {
 
-bool same_file(const std::string& a, const std::string& b) {
-  struct stat x, y;
-  if (a.empty() || b.empty()) return false;
-  if (a == b) return true;
-  return ::stat(a.c_str(), &x) == 0 && ::stat(b.c_str(), &y) == 0 && S_ISREG(x.st_mode) &&
-         x.st_dev == y.st_dev && x.st_ino == y.st_ino;
-}
-
 std::vector<Figure> options_of(const MeshCommand& c, const CommonOptions& common, TetFormat format) {
-  static constexpr const char* names[] = {"medit", "msh22", "msh41", "vtu", "tetgen"};
   std::vector<Figure> o = {{"input", c.input},
                            {"output", c.output},
-                           {"format", std::string(names[static_cast<int>(format)])},
+                           {"format", std::string(name_of(format))},
                            {"preset", c.preset},
                            {"on_infeasible", c.on_infeasible},
                            {"improve", c.improve_degrees},
+                           {"order", std::int64_t{c.order}},
                            {"threads", std::int64_t{common.threads}}};
   if (common.time_limit > 0) o.emplace_back("time_limit", common.time_limit);
   if (common.memory_limit > 0) o.emplace_back("memory_limit", common.memory_limit);
@@ -148,10 +139,20 @@ MeshingOptions meshing_options(const MeshCommand& c) {
   return o;
 }
 
-// What the mesh is of: the input, repaired or refined.
-Surface surface_of(const Surface& input, const Meshing& made) {
-  if (!made.refined.subdivided.empty()) return made.refined.surface;
-  return {made.mesh.V.topRows(input.V.rows()), input.F};
+struct LabelledSurface {
+  Surface surface;
+  SurfaceAttributes attributes;
+};
+
+// What the mesh is of: the input, repaired or refined, with what the file says of it. Pieces of a face have
+// its label; vertices that were added come last, and the file says nothing of them.
+LabelledSurface surface_of(const InputSurface& input, const Meshing& made) {
+  const Surface& given = input.surface();
+  const RefinedSurface& refined = made.refined;
+  if (refined.subdivided.empty()) return {{made.mesh.V.topRows(given.V.rows()), given.F}, input.attributes};
+  std::vector<Index> old_vertex(static_cast<std::size_t>(refined.surface.V.rows()), -1);
+  std::iota(old_vertex.begin(), old_vertex.begin() + given.V.rows(), 0);
+  return {refined.surface, carried(input.attributes, old_vertex, refined.face)};
 }
 
 // What the program does itself, as a stage like the others.
@@ -184,7 +185,7 @@ Result<std::vector<double>> sizes_of(const InputSurface& input, const std::strin
 Result<Meshing> make_mesh(const MeshCommand& command, TetFormat format, const RunContext& context,
                           Terminal& terminal, const std::function<void()>& dismiss, Report& report) {
   context.report("read", 0);
-  StageRecord read, written;
+  StageRecord read, labelled, written;
   const Result<InputSurface> loaded =
       timed("read", read, [&] { return load(command.input, command.clean, context, terminal); });
   report.stages = {read};
@@ -193,13 +194,8 @@ Result<Meshing> make_mesh(const MeshCommand& command, TetFormat format, const Ru
     return loaded.error();
   }
   const InputSurface& input = loaded.value();
-  const auto tell = [&] {
-    report.input.format = input.info.format;
-    report.input.notes = input.info.notes;
-    if (input.cleanup.changed()) report.input.cleanup = record_of(input.cleanup, input.info.source);
-  };
   if (input.cleanup.problem) {
-    tell();
+    tell(input, report);
     dismiss();
     return *input.cleanup.problem;
   }
@@ -207,7 +203,7 @@ Result<Meshing> make_mesh(const MeshCommand& command, TetFormat format, const Ru
   if (!command.sizes.file.empty()) {
     Result<std::vector<double>> sizes = sizes_of(input, command.sizes.file);
     if (!sizes) {
-      tell();
+      tell(input, report);
       dismiss();
       return sizes.error();
     }
@@ -215,45 +211,76 @@ Result<Meshing> make_mesh(const MeshCommand& command, TetFormat format, const Ru
   }
   Result<Meshing> made = tetrahedralize(input.surface(), options, context, &report);
   report.stages.insert(report.stages.begin(), read);
-  tell();
-  dismiss();
-  if (!made) return input.in_file(made.error());
+  tell(input, report);
+  if (!made) {
+    dismiss();
+    return input.in_file(made.error());
+  }
   if (interrupt_flag()) return Error{ErrorCode::interrupted, "Interrupted; nothing was written."};
+  context.report("label", 0);
+  const LabelledSurface of = surface_of(input, made.value());
+  const MeshAttributeOptions wanted{keeps_layers(format)};
+  const Result<MeshAttributes> attributes = timed("label", labelled, [&] {
+    return mesh_attributes(of.surface, of.attributes, made.value().mesh, wanted, context);
+  });
+  report.stages.push_back(labelled);
+  dismiss();
+  if (!attributes) return attributes.error();
   context.report("write", 0);
   const auto write = [&]() -> Status {
     if (!command.save_surface.empty())
-      if (Status s = write_surface(command.save_surface, surface_of(input.surface(), made.value()),
-                                   surface_format_of(command.save_surface).value(), context);
+      if (Status s =
+              write_surface(command.save_surface, of.surface, surface_format_of(command.save_surface).value(),
+                            context, &of.attributes.faces);
           !s)
         return s;
-    return write_tets(command.output, made.value().mesh, format, context);
+    return write_tets(command.output, made.value().mesh, attributes.value(), {format, command.order},
+                      context);
   };
   if (Status s = timed("write", written, write); !s) return s.error();
   report.stages.push_back(written);
   return made;
 }
 
+// No file is to be written over another one.
+Status check_names(const MeshCommand& command, const std::vector<std::string>& outputs) {
+  if (!command.save_surface.empty())
+    if (const auto named = surface_format_of(command.save_surface); !named) return named.error();
+  if (same_file(command.input, command.report))
+    return Error{ErrorCode::usage, "The report would overwrite the input; choose another name."};
+  for (const std::string& output : outputs) {
+    if (same_file(command.input, output))
+      return Error{ErrorCode::usage, "The output would overwrite the input; choose another name."};
+    if (same_file(output, command.report))
+      return Error{ErrorCode::usage,
+                   "The output and the report have the same name; choose another for one of them."};
+  }
+  std::vector<std::string> named = {command.input, command.report};
+  named.insert(named.end(), outputs.begin(), outputs.end());
+  for (const std::string* saved :
+       {&command.save_surface, &command.clean.save_map, &command.clean.save_cleaned}) {
+    for (const std::string& other : named)
+      if (same_file(*saved, other))
+        return Error{ErrorCode::usage, "Two files that are read or written are both called " + *saved +
+                                           "; choose another name for one of them."};
+    named.push_back(*saved);
+  }
+  return success();
+}
+
 }  // namespace
 
 int run(const MeshCommand& command, const CommonOptions& common, Terminal& terminal) {
-  const Result<TetFormat> format =
-      command.format.empty() ? tet_format_of(command.output) : tet_format_named(command.format);
+  const Result<TetFormat> format = output_format(command.output, command.format, terminal);
   if (!format) return fail(terminal, format.error());
-  if (!command.save_surface.empty())
-    if (const auto named = surface_format_of(command.save_surface); !named)
-      return fail(terminal, named.error());
-  if (same_file(command.input, command.output) || same_file(command.input, command.report) ||
-      same_file(command.input, command.save_surface))
-    return fail(terminal, {ErrorCode::usage,
-                           "The output or the report would overwrite the input; choose another name."});
-  if (same_file(command.output, command.report) || same_file(command.output, command.save_surface) ||
-      same_file(command.report, command.save_surface))
-    return fail(terminal, {ErrorCode::usage,
-                           "The output and the report have the same name; choose another for one of them."});
-  OutputProbe output_probe, report_probe, surface_probe;
+  const std::vector<std::string> outputs = tet_files(command.output, format.value());
+  if (Status s = check_names(command, outputs); !s) return fail(terminal, s.error());
+  std::vector<OutputProbe> output_probes(outputs.size());
+  OutputProbe report_probe, surface_probe;
   if (!command.save_surface.empty())
     if (Status s = surface_probe.open(command.save_surface); !s) return fail(terminal, s.error());
-  if (Status s = output_probe.open(command.output); !s) return fail(terminal, s.error());
+  for (std::size_t i = 0; i < outputs.size(); ++i)
+    if (Status s = output_probes[i].open(outputs[i]); !s) return fail(terminal, s.error());
   if (!command.report.empty())
     if (Status s = report_probe.open(command.report); !s) return fail(terminal, s.error());
 

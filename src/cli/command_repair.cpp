@@ -7,6 +7,58 @@
 
 namespace overtet {
 
+namespace {
+
+std::string what_was_moved(const RepairCommand& command, const SurfaceRepair& r) {
+  char most[96];
+  std::snprintf(most, sizeof most, "%.4f %% of the diagonal at most (%.4f on average).",
+                100 * r.max_relative_move, 100 * r.mean_relative_move);
+  return command.output + ": " + std::to_string(r.moved.size()) + " of " +
+         std::to_string(r.surface.V.rows()) + " vertices moved, by " + most + " The surface has a tet mesh.";
+}
+
+// Reads, repairs and writes the surface.
+Result<SurfaceRepair> repaired_surface(const RepairCommand& command, SurfaceFormat format,
+                                       const RunContext& context, Terminal& terminal, Watchdog& watchdog,
+                                       Report& report) {
+  const Result<InputSurface> loaded = load(command.input, command.clean, context, terminal);
+  if (!loaded) return loaded.error();
+  const InputSurface& input = loaded.value();
+  Result<SurfaceRepair> repaired = Error{};
+  if (input.cleanup.problem) {
+    repaired = *input.cleanup.problem;
+  } else {
+    SurfaceRepairOptions options;
+    options.max_relative_move = command.max_move / 100;
+    repaired = repair_surface(input.surface(), options, context, &report);
+  }
+  tell(input, report);
+  watchdog.dismiss();
+  if (!repaired) return input.in_file(repaired.error());
+  if (interrupt_flag()) return Error{ErrorCode::interrupted, "Interrupted; nothing was written."};
+  if (Status s =
+          write_surface(command.output, repaired.value().surface, format, context, &input.attributes.faces);
+      !s)
+    return s.error();
+  return repaired;
+}
+
+// Quality and hash are those of the mesh that shows that there is one.
+void finish(Report& report, const RepairCommand& command, const CommonOptions& common,
+            const Result<SurfaceRepair>& repaired) {
+  report.options = {{"input", command.input},
+                    {"output", command.output},
+                    {"max_move", command.max_move},
+                    {"threads", std::int64_t{common.threads}}};
+  if (common.time_limit > 0) report.options.emplace_back("time_limit", common.time_limit);
+  if (common.memory_limit > 0) report.options.emplace_back("memory_limit", common.memory_limit);
+  report.seconds = std::chrono::duration<double>(RunContext::Clock::now() - common.start).count();
+  report.message = repaired ? what_was_moved(command, repaired.value()) : with_hint(repaired.error());
+  if (!repaired) report.status = status_of(repaired.error().code);
+}
+
+}  // namespace
+
 int run(const RepairCommand& command, const CommonOptions& common, Terminal& terminal) {
   const Result<SurfaceFormat> format = surface_format_of(command.output);
   if (!format && !command.surface_only && tet_format_of(command.output)) {
@@ -18,36 +70,32 @@ int run(const RepairCommand& command, const CommonOptions& common, Terminal& ter
     return run(mesh, common, terminal);
   }
   if (!format) return fail(terminal, format.error());
-  if (!command.report.empty())
-    return fail(terminal,
-                {ErrorCode::usage, "A report is written only if a tet mesh is made; leave out --report."});
-  if (command.input == command.output)
-    return fail(terminal, {ErrorCode::usage, "The output would overwrite the input; choose another name."});
-  OutputProbe output;
+  if (same_file(command.input, command.output) || same_file(command.input, command.report))
+    return fail(terminal, {ErrorCode::usage,
+                           "The output or the report would overwrite the input; choose another name."});
+  if (same_file(command.output, command.report))
+    return fail(terminal, {ErrorCode::usage,
+                           "The output and the report have the same name; choose another for one of them."});
+  OutputProbe output, report_probe;
   if (Status s = output.open(command.output); !s) return fail(terminal, s.error());
+  if (!command.report.empty())
+    if (Status s = report_probe.open(command.report); !s) return fail(terminal, s.error());
   const RunContext context = common.context(terminal);
   Watchdog watchdog(context.deadline, context.memory_limit_bytes,
                     [&](const Error& error) { terminal.error(with_hint(error)); });
-  const Result<InputSurface> loaded = load(command.input, command.clean, context, terminal);
-  if (!loaded) return fail(terminal, loaded.error());
-  const InputSurface& input = loaded.value();
-  if (input.cleanup.problem) return fail(terminal, *input.cleanup.problem);
-  SurfaceRepairOptions options;
-  options.max_relative_move = command.max_move / 100;
-  const Result<SurfaceRepair> repaired = repair_surface(input.surface(), options, context);
-  watchdog.dismiss();
-  if (!repaired) return fail(terminal, input.in_file(repaired.error()));
-  if (interrupt_flag()) return fail(terminal, {ErrorCode::interrupted, "Interrupted; nothing was written."});
-  const SurfaceRepair& r = repaired.value();
-  if (Status s = write_surface(command.output, r.surface, format.value(), context); !s)
-    return fail(terminal, s.error());
+  Report report;
+  const Result<SurfaceRepair> repaired =
+      repaired_surface(command, format.value(), context, terminal, watchdog, report);
+  finish(report, command, common, repaired);
   terminal.clear();
-  char most[96];
-  std::snprintf(most, sizeof most, "%.4f %% of the diagonal at most (%.4f on average).",
-                100 * r.max_relative_move, 100 * r.mean_relative_move);
-  terminal.say(command.output + ": " + std::to_string(r.moved.size()) + " of " +
-               std::to_string(r.surface.V.rows()) + " vertices moved, by " + most +
-               " The surface has a tet mesh.");
+  const bool interrupted = !repaired && repaired.error().code == ErrorCode::interrupted;
+  if (!command.report.empty() && !interrupted)
+    if (Status s = write_text(command.report, to_json(report)); !s) {
+      if (repaired) return fail(terminal, s.error());
+      terminal.error(s.error().message);
+    }
+  if (!repaired) return fail(terminal, repaired.error());
+  terminal.say(report.message);
   return 0;
 }
 

@@ -1,6 +1,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <utility>
 
+#include "overtet/attributes.h"
 #include "overtet/io.h"
 #include "overtet/verification.h"
 #include "src/cli/commands.h"
@@ -15,17 +17,29 @@ int run(const VerifyCommand& command, const CommonOptions& common, Terminal& ter
   const Result<InputSurface> loaded = load(command.surface, command.clean, context, terminal);
   if (!loaded) return fail(terminal, loaded.error());
   const InputSurface& input = loaded.value();
-  const Result<TetMesh> mesh = read_tets(command.mesh, context);
-  if (!mesh) return fail(terminal, mesh.error());
+  Result<LabelledTetMesh> read = Error{};
+  if (command.format.empty()) {
+    read = read_labelled_tets(command.mesh, context);
+  } else {
+    const Result<TetFormat> format = tet_format_named(command.format);
+    if (!format) return fail(terminal, format.error());
+    read = read_labelled_tets(command.mesh, format.value(), context);
+  }
+  if (!read) return fail(terminal, read.error());
+  const TetMesh& mesh = read.value().mesh;
   VerifyOptions options;
   options.allow_branches = command.allow_branches;
   options.geometry_only = !input.info.has_vertex_order;
   options.max_move = command.max_move / 100;
-  const VerifyResult r = verify(input.surface(), mesh.value(), options, context);
+  VerifyResult r = verify(input.surface(), mesh, options, context);
   if (!r.complete)
     return fail(terminal, context.stop().value_or(Error{ErrorCode::interrupted, "Interrupted."}));
+  for (VerifyFailure& f :
+       verify_attributes(input.surface(), input.attributes, read.value(), options.geometry_only))
+    r.failures.push_back(std::move(f));
+  const auto triangles = static_cast<long long>(read.value().attributes.triangles.rows());
   const bool readable = !r.fails(Rule::R1);
-  const TetQuality q = readable ? tet_quality(mesh.value(), context) : TetQuality{};
+  const TetQuality q = readable ? tet_quality(mesh, context) : TetQuality{};
   watchdog.dismiss();
   if (command.json) {
     nlohmann::ordered_json j = {{"ok", r.ok()},
@@ -34,6 +48,7 @@ int run(const VerifyCommand& command, const CommonOptions& common, Terminal& ter
                                 {"vertices", r.vertices},
                                 {"tets", r.tets},
                                 {"boundary_faces", r.boundary_faces},
+                                {"triangles_in_file", triangles},
                                 {"moved", {{"vertices", r.moved_vertices}, {"max_relative", r.max_move}}}};
     if (command.allow_branches) j["branch_edges"] = r.branch_edges;
     j["failures"] = nlohmann::ordered_json::array();
@@ -56,6 +71,8 @@ int run(const VerifyCommand& command, const CommonOptions& common, Terminal& ter
     std::printf("tet mesh  %lld vertices, %lld tets, %lld boundary faces\n",
                 static_cast<long long>(r.vertices), static_cast<long long>(r.tets),
                 static_cast<long long>(r.boundary_faces));
+    std::printf("triangles %lld in the file%s\n", triangles,
+                triangles == 0 ? ", so that there is nothing to check" : "");
     if (readable)
       std::printf("dihedral  %.3g to %.4g degrees, 1 %% below %.3g\n", q.dihedral_min, q.dihedral_max,
                   q.dihedral_p01);

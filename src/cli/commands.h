@@ -3,7 +3,9 @@
 
 #include <chrono>
 #include <string>
+#include <vector>
 
+#include "overtet/io.h"
 #include "overtet/run_context.h"
 #include "src/cli/input.h"
 #include "src/cli/terminal.h"
@@ -33,6 +35,7 @@ struct MeshCommand {
   std::string input, output, report, format, save_surface, save_stages, resume;
   std::string on_infeasible = "reject", preset = "default";
   double improve_degrees = 17;
+  int order = 1;
   double max_move = 6;  // percent of the diagonal, of a repair
   InputOptions clean;
   SizeWishes sizes;
@@ -42,6 +45,7 @@ struct InspectCommand {
   std::string input, save_curves;
   bool json = false, pairs = false, curves = false;
   InputOptions clean;
+  std::vector<std::string> fail_on;  // "infeasible", "unclean"
 };
 
 struct RepairCommand {
@@ -52,11 +56,16 @@ struct RepairCommand {
 };
 
 struct VerifyCommand {
-  std::string surface, mesh;
+  std::string surface, mesh, format;
   double max_move = 0;  // percent of the diagonal
   bool allow_branches = false;
   InputOptions clean;
   bool json = false;
+};
+
+struct ConvertCommand {
+  std::string input, output, from, format;
+  int order = 1;
 };
 
 // Each returns the exit code.
@@ -64,6 +73,13 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
 int run(const InspectCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const RepairCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const VerifyCommand& command, const CommonOptions& common, Terminal& terminal);
+int run(const ConvertCommand& command, const CommonOptions& common, Terminal& terminal);
+
+// The format that is asked for by name, else that of the ending; says so where they differ.
+Result<TetFormat> output_format(const std::string& path, const std::string& named, Terminal& terminal);
+
+// The same file under two names, or the same name.
+bool same_file(const std::string& a, const std::string& b);
 
 // The error's sentence, with the option that raises the limit where it is about one.
 std::string with_hint(const Error& error);

@@ -3,6 +3,8 @@
 #include <iterator>
 #include <utility>
 
+#include "src/cli/commands.h"
+
 namespace overtet {
 
 namespace {
@@ -13,7 +15,8 @@ Status save(const InputOptions& options, const InputSurface& input, const RunCon
   if (options.save_cleaned.empty()) return success();
   const Result<SurfaceFormat> format = surface_format_of(options.save_cleaned);
   if (!format) return format.error();
-  return write_surface(options.save_cleaned, input.surface(), format.value(), context);
+  return write_surface(options.save_cleaned, input.surface(), format.value(), context,
+                       &input.attributes.faces);
 }
 
 // The names of what is to be saved.
@@ -21,7 +24,7 @@ Status check(const std::string& path, const InputOptions& o) {
   const std::string* const files[] = {&path, &o.save_map, &o.save_cleaned, &o.save_defects};
   for (std::size_t i = 1; i < std::size(files); ++i)
     for (std::size_t j = 0; j < i; ++j)
-      if (!files[i]->empty() && *files[i] == *files[j])
+      if (same_file(*files[i], *files[j]))
         return Error{ErrorCode::usage, "Two files that are read or written are both called " + *files[i] +
                                            "; choose another name for one of them."};
   if (!o.save_cleaned.empty())
@@ -56,6 +59,7 @@ Result<InputSurface> load(const std::string& path, const InputOptions& options, 
   if (!cleaned) return cleaned.error();
   input.cleanup = std::move(cleaned).value();
   input.source = source_of(input.cleanup, input.info.source);
+  input.attributes = carried(input.info.attributes, input.cleanup.vertex_of, input.cleanup.face_of);
   for (const std::string& note : input.info.notes) terminal.say(note);
   if (const std::string done = input.cleanup.summary(); !done.empty()) terminal.say(done);
   if (!options.save_defects.empty())
@@ -66,6 +70,12 @@ Result<InputSurface> load(const std::string& path, const InputOptions& options, 
   if (input.cleanup.problem) return input;
   if (Status s = save(options, input, context); !s) return s.error();
   return input;
+}
+
+void tell(const InputSurface& input, Report& report) {
+  report.input.format = input.info.format;
+  report.input.notes = input.info.notes;
+  if (input.cleanup.changed()) report.input.cleanup = record_of(input.cleanup, input.info.source);
 }
 
 }  // namespace overtet

@@ -4,8 +4,10 @@
 #include <cstdint>
 #include <string>
 
+#include "overtet/attributes.h"
 #include "overtet/cleanup.h"
 #include "overtet/io.h"
+#include "overtet/report.h"
 #include "src/cli/terminal.h"
 
 namespace overtet {
@@ -22,6 +24,7 @@ struct InputSurface {
   SurfaceReadInfo info;
   Cleanup cleanup;
   SurfaceSource source;             // of the cleaned surface
+  SurfaceAttributes attributes;     // of the cleaned surface; those in `info` are of the given one
   std::int64_t given_vertices = 0;  // before the clean-up
 
   const Surface& surface() const { return cleanup.surface; }
@@ -33,5 +36,8 @@ struct InputSurface {
 // clean-up then has a problem. Errors: usage, io, bad_input (of reading), limit, interrupted.
 Result<InputSurface> load(const std::string& path, const InputOptions& options, const RunContext& context,
                           Terminal& terminal);
+
+// What the report says of reading and of the clean-up.
+void tell(const InputSurface& input, Report& report);
 
 }  // namespace overtet

@@ -48,7 +48,9 @@ Terminal::Terminal(LogLevel level, Talk talk) : level_(level), quiet_(talk == Ta
 
 void Terminal::clear_locked() {
   if (shown_ == 0) return;
-  put("\r" + std::string(shown_, ' ') + "\r");
+  std::string blank(shown_ + 2, ' ');
+  blank.front() = blank.back() = '\r';
+  put(blank);
   shown_ = 0;
 }
 

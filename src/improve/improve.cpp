@@ -17,6 +17,7 @@
 #include "src/improve/coarsen.h"
 #include "src/improve/passes.h"
 #include "src/improve/refine.h"
+#include "src/improve/round_progress.h"
 #include "src/improve/sizes.h"
 #include "src/improve/trade.h"
 #include "src/improve/tuning.h"
@@ -244,8 +245,12 @@ class Improver {
         context_(context),
         begin_(RunContext::Clock::now()),
         budget_(std::min(options.seconds, 0.5 * context.seconds_left())),
-        silent_(context) {
-    silent_.progress = nullptr;
+        silent_(context),
+        progress_(context) {
+    if (context.progress)
+      silent_.progress = [this](std::string_view, double fraction, std::string_view detail) {
+        progress_.within(fraction, detail);
+      };
     // The mesh is to be checked and written in what time is left.
     silent_.deadline =
         std::min(context.deadline, begin_ + std::chrono::duration_cast<RunContext::Clock::duration>(
@@ -299,6 +304,7 @@ class Improver {
     parallel_tasks(count, [&](std::int64_t i) {
       const int p = order[i].second;
       results[p] = improve_part(parts[p], orders, silent_);
+      progress_.part_ended();
     });
     for (const PartResult& part : results) add(result_, part, first_pass);
     result_.rounds.push_back(count);
@@ -353,11 +359,14 @@ class Improver {
     auto [count, mostly_bad] = first_cuts(what, weight);
     const double slack = count == kRefineParts ? kSlackForTwo : kSlack;
     while (!chosen.empty()) {
-      context_.report("improve",
-                      what == Work::refine        ? 0
-                      : result_.rounds.size() < 3 ? 0.3
-                                                  : 0.8,
-                      std::to_string(chosen.size()) + " tets in " + std::to_string(count) + " parts");
+      const bool first = result_.rounds.size() < 3;
+      progress_.begin(what == Work::refine ? 0
+                      : first              ? 0.3
+                                           : 0.8,
+                      what == Work::refine ? 0.3
+                      : first              ? 0.8
+                                           : 0.95,
+                      count, std::to_string(chosen.size()) + " tets in " + std::to_string(count) + " parts");
       const bool last = count == 1;
       // Nothing is cut any more, but in the passes what does not hang together is shared out.
       if (last && what == Work::passes && !fresh.empty() && !mostly_bad) count = pieces_for(chosen.size());
@@ -514,7 +523,8 @@ class Improver {
   const RunContext& context_;
   const RunContext::Clock::time_point begin_;
   const double budget_;  // seconds
-  RunContext silent_;    // without progress, and with this stage's deadline
+  RunContext silent_;    // of the parts: what they tell is theirs, the deadline this stage's
+  RoundProgress progress_;
   ImproveResult result_;
   std::optional<SizeField> sizes_;  // where they are limited
   std::vector<char> loose_;         // vertices of the inside, as given

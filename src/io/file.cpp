@@ -15,6 +15,7 @@
 #include <thread>
 
 #include "kernels/core/tuning.h"
+#include "src/io/names.h"
 #include "src/io/tuning.h"
 
 namespace overtet {
@@ -93,11 +94,14 @@ void remove_unfinished_files() {
   neighbours().names.clear();
 }
 
-Result<std::string> read_file(const std::string& path) {
+namespace {
+
+Result<std::string> read_stored(const std::string& path) {
   const auto fail = [&](int code) {
-    return Error{ErrorCode::io, "Cannot read " + path + ": " + std::strerror(code) + "."};
+    const std::string what = path == "-" ? "standard input" : path;
+    return Error{ErrorCode::io, "Cannot read " + what + ": " + std::strerror(code) + "."};
   };
-  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const int fd = path == "-" ? ::dup(STDIN_FILENO) : ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (fd < 0) return fail(errno);
   struct stat info;
   if (fstat(fd, &info) != 0 || S_ISDIR(info.st_mode)) {
@@ -126,6 +130,28 @@ Result<std::string> read_file(const std::string& path) {
   return bytes;
 }
 
+}  // namespace
+
+Result<std::string> read_file(const std::string& path) {
+  Result<std::string> stored = read_stored(path);
+  if (!stored || !io_detail::is_gzip(stored.value())) return stored;
+  std::optional<std::string> unpacked = io_detail::gunzip(stored.value());
+  if (!unpacked)
+    return Error{ErrorCode::bad_input,
+                 io_detail::file_name(path) + ": the compressed file is damaged or cut short."};
+  return *std::move(unpacked);
+}
+
+bool file_exists(const std::string& path) {
+  struct stat info;
+  return ::stat(path.c_str(), &info) == 0;
+}
+
+bool has_neighbours(const std::string& path) {
+  struct stat info;
+  return path != "-" && (::stat(path.c_str(), &info) != 0 || S_ISREG(info.st_mode));
+}
+
 AtomicFile::~AtomicFile() { abandon(); }
 
 void AtomicFile::abandon() {
@@ -137,6 +163,7 @@ void AtomicFile::abandon() {
   }
   temporary_.clear();
   direct_ = synced_ = false;
+  gzip_.reset();
 }
 
 Error AtomicFile::error(const char* what, int code) const {
@@ -147,6 +174,13 @@ Status AtomicFile::open(const std::string& path) {
   abandon();
   path_ = path;
   target_ = path;
+  if (path == "-") {
+    path_ = "standard output";
+    direct_ = true;
+    fd_ = ::dup(STDOUT_FILENO);
+    return fd_ >= 0 ? success() : Status(error("write", errno));
+  }
+  if (io_detail::is_gzip_name(path)) gzip_ = std::make_unique<io_detail::Gzip>();
   if (char* real = ::realpath(path.c_str(), nullptr)) {
     target_ = real;
     std::free(real);
@@ -161,6 +195,8 @@ Status AtomicFile::open(const std::string& path) {
   if (direct_) return open_directly();
   const std::string directory = directory_of(target_);
   fd_ = ::open(directory.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0600);
+  if (fd_ < 0 && !file_exists(directory))
+    return Error{ErrorCode::io, "Cannot write " + path_ + ": there is no folder " + directory + "."};
   if (fd_ < 0) {
     std::string name = directory + "/." + name_of(target_) + ".XXXXXX";
     fd_ = ::mkostemp(name.data(), O_CLOEXEC);
@@ -195,6 +231,17 @@ Status AtomicFile::open_directly() {
 }
 
 Status AtomicFile::write(std::string_view bytes) {
+  return gzip_ ? write_plain(gzip_->add(bytes, false)) : write_plain(bytes);
+}
+
+Status AtomicFile::end_compression() {
+  if (!gzip_) return success();
+  const std::string rest = gzip_->add({}, true);
+  gzip_.reset();
+  return write_plain(rest);
+}
+
+Status AtomicFile::write_plain(std::string_view bytes) {
   std::optional<NoPipeSignal> no_signal;
   if (direct_) no_signal.emplace();
   while (!bytes.empty()) {
@@ -207,6 +254,7 @@ Status AtomicFile::write(std::string_view bytes) {
 }
 
 Status AtomicFile::sync() {
+  if (Status s = end_compression(); !s) return s;
   if (synced_ || direct_) return success();
   if (::fsync(fd_) != 0) return error("write", errno);
   synced_ = true;

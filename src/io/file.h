@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,17 +17,23 @@
 #include "kernels/parallel/tuning.h"
 #include "overtet/io.h"
 #include "overtet/result.h"
+#include "src/io/gzip.h"
 #include "src/io/tuning.h"
 
 namespace overtet {
 
-// The bytes of a file. Directories and unreadable files are ErrorCode::io.
+// The bytes of a file, or of standard input ("-"); what is compressed by gzip is unpacked. Directories and
+// unreadable files are ErrorCode::io; damaged gzip files are ErrorCode::bad_input.
 Result<std::string> read_file(const std::string& path);
 
+bool file_exists(const std::string& path);
+// Whether another file can be written beside this one: not for standard output, pipes and devices.
+bool has_neighbours(const std::string& path);
+
 // Destroyed without commit(): nothing is left behind. A path that names something else than a regular
-// file (a pipe, /dev/null) is written to directly. A named pipe that nothing reads from is an error after two
-// seconds; one whose reader goes away is an error, too, and no signal. Writing waits for a reader that does
-// not read.
+// file (a pipe, /dev/null), and standard output ("-"), is written to directly. Where the path ends in .gz,
+// what is written is compressed. A named pipe that nothing reads from is an error after two seconds; one
+// whose reader goes away is an error, too, and no signal. Writing waits for a reader that does not read.
 class AtomicFile {
  public:
   AtomicFile() = default;
@@ -43,6 +50,8 @@ class AtomicFile {
  private:
   friend class OutputProbe;
   Status open_directly();
+  Status write_plain(std::string_view bytes);
+  Status end_compression();
   Error error(const char* what, int code) const;
   void abandon();
 
@@ -52,6 +61,7 @@ class AtomicFile {
   int fd_ = -1;
   bool direct_ = false;
   bool synced_ = false;
+  std::unique_ptr<io_detail::Gzip> gzip_;
 };
 
 // Text being put together. Numbers are written in the shortest form that reads back as the same double, so
@@ -70,6 +80,7 @@ class TextBuffer {
   TextBuffer& number(std::int64_t x) { return put(x); }
   TextBuffer& number(std::int32_t x) { return put(x); }
   TextBuffer& end_line() { return character('\n'); }
+  std::string_view view() const { return bytes_; }
 
  private:
   friend class TextWriter;

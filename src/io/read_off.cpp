@@ -1,3 +1,7 @@
+#include <algorithm>
+#include <cmath>
+
+#include "src/io/face_groups.h"
 #include "src/io/surface_parts.h"
 #include "src/io/text.h"
 
@@ -18,6 +22,36 @@ Status check_variant(std::string_view name, std::string_view word) {
     return malformed(
         name, quoted(word) + " is a surface in another dimension; Overtet reads three coordinates a vertex");
   return malformed(name, quoted(word) + " is not a variant of OFF that Overtet reads");
+}
+
+// After the coordinates come, as the header says, normals, colours and texture coordinates; after the corners
+// of a face the number of a colour, or three or four parts of it.
+void take_colours(const Extras& vertices, const Extras& faces, std::string_view header, Polygons& out) {
+  const std::size_t count = out.xyz.size() / 3;
+  const auto has = [&](const char* what) { return header.find(what) != std::string_view::npos; };
+  const bool texture = has("ST"), colour = has("C");
+  const std::size_t first = has("N") ? 3 : 0, last = texture ? 2 : 0;
+  const std::size_t width = vertices.each() - std::min(vertices.each(), first + last);
+  if (colour && (width == 3 || width == 4))
+    vertices.take(count, first, static_cast<int>(width), "colour", out.attributes.vertex_data);
+  if (texture && vertices.each() >= first + last)
+    vertices.take(count, vertices.each() - 2, 2, "uv", out.attributes.vertex_data);
+
+  std::vector<Attribute>& data = out.attributes.face_data;
+  const std::size_t parts = faces.each();
+  if ((parts != 1 && parts != 3 && parts != 4) ||
+      !faces.take(out.sizes.size(), 0, static_cast<int>(parts), "colour", data))
+    return;
+  if (parts == 1) {
+    const std::vector<double>& numbers = data.back().values;
+    if (std::all_of(numbers.begin(), numbers.end(),
+                    [](double x) { return x == std::floor(x) && std::abs(x) < 1e9; }))
+      out.attributes.faces.of.assign(numbers.begin(), numbers.end());
+    return;
+  }
+  Labels labels = labels_by_value(data.back());
+  // A colour for nearly every face is a picture and no label.
+  if (2 * labels.names.size() <= out.sizes.size()) out.attributes.faces = std::move(labels);
 }
 
 struct Counts {
@@ -45,7 +79,7 @@ bool read_counts(TextCursor& in, Counts& n) {
 
 // A face is on one line, with what may follow (colours); or on several, which nothing else is on. False: the
 // cursor has the error.
-bool read_face(TextCursor& in, std::int64_t f, std::int64_t vertices, Polygons& out) {
+bool read_face(TextCursor& in, std::int64_t f, std::int64_t vertices, Extras& after, Polygons& out) {
   const auto which = [&] { return "face " + std::to_string(f); };
   std::int64_t size = 0;
   const std::int64_t line = in.line();
@@ -67,13 +101,14 @@ bool read_face(TextCursor& in, std::int64_t f, std::int64_t vertices, Polygons& 
     return in.fail_at(line,
                       "a number is missing, or the line that the face ends on goes on (" + which() + ")");
   out.sizes.push_back(static_cast<Index>(size));
+  after.read(in, static_cast<std::size_t>(f));
   in.next_line();
   return true;
 }
 
 }  // namespace
 
-// Vertices are one a line; what follows the coordinates (colours, normals, texture) is ignored.
+// Vertices are one a line; what follows the coordinates (colours, texture) is carried along.
 Result<Polygons> parse_off(std::string_view name, std::string_view bytes, SurfaceReadInfo& info) {
   if (const std::int64_t line = line_of_nul(bytes))
     return malformed(name, "line " + std::to_string(line) + " contains a NUL byte, so it is not text");
@@ -89,6 +124,7 @@ Result<Polygons> parse_off(std::string_view name, std::string_view bytes, Surfac
   if (!read_counts(in, n)) return in.error();
   const auto [vertices, faces] = n;
   Polygons out;
+  Extras after_vertices, after_faces;
   out.xyz.resize(static_cast<std::size_t>(3 * vertices));
   out.vertex_line.reserve(static_cast<std::size_t>(vertices));
   out.face_line.reserve(static_cast<std::size_t>(faces));
@@ -101,6 +137,7 @@ Result<Polygons> parse_off(std::string_view name, std::string_view bytes, Surfac
       if (!in.real(out.xyz[static_cast<std::size_t>(3 * v + k)],
                    [&] { return "vertex " + std::to_string(v); }))
         return in.error();
+    after_vertices.read(in, static_cast<std::size_t>(v));
     in.next_line();
   }
   out.corners.reserve(static_cast<std::size_t>(3 * faces));
@@ -110,8 +147,9 @@ Result<Polygons> parse_off(std::string_view name, std::string_view bytes, Surfac
       return malformed(
           name, "the file ends after " + std::to_string(f) + " of " + std::to_string(faces) + " faces");
     out.face_line.push_back(static_cast<std::uint32_t>(in.line()));
-    if (!read_face(in, f, vertices, out)) return in.error();
+    if (!read_face(in, f, vertices, after_faces, out)) return in.error();
   }
+  take_colours(after_vertices, after_faces, info.format, out);
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <optional>
 
+#include "src/io/face_groups.h"
 #include "src/io/surface_parts.h"
 #include "src/io/text.h"
 
@@ -41,6 +42,25 @@ std::optional<Type> type_named(std::string_view s) {
   for (const auto& [name, type] : names)
     if (name == s) return type;
   return std::nullopt;
+}
+
+NumberType kept_as(Type type) {
+  switch (type) {
+    case Type::u8:
+      return NumberType::uint8;
+    case Type::u32:
+      return NumberType::int64;
+    case Type::f32:
+      return NumberType::float32;
+    case Type::f64:
+      return NumberType::float64;
+    case Type::i8:
+    case Type::i16:
+    case Type::u16:
+    case Type::i32:
+      break;
+  }
+  return NumberType::int32;
 }
 
 struct Property {
@@ -165,6 +185,58 @@ bool index_list(const Element& face, const Property& p) {
                        [](const Property& q) { return q.list; }) == 1;
 }
 
+// What a property is for: a coordinate (0 to 2), the corners, or something to carry along.
+struct Role {
+  int coordinate = -1;
+  bool corners = false;
+  Attribute* data = nullptr;
+};
+
+std::vector<Role> roles_of(const Element& e, Polygons& out) {
+  std::vector<Role> roles(e.properties.size());
+  const bool is_vertex = e.name == "vertex", is_face = e.name == "face";
+  std::vector<Attribute>& data = is_vertex ? out.attributes.vertex_data : out.attributes.face_data;
+  data.reserve(e.properties.size());  // roles point into it
+  for (std::size_t i = 0; i < e.properties.size(); ++i) {
+    const Property& p = e.properties[i];
+    if (is_vertex && !p.list && p.name.size() == 1 && p.name[0] >= 'x' && p.name[0] <= 'z')
+      roles[i].coordinate = p.name[0] - 'x';
+    else if (is_face && index_list(e, p))
+      roles[i].corners = true;
+    else if ((is_vertex || is_face) && !p.list) {
+      data.push_back({p.name, kept_as(p.type), 1, {}});
+      roles[i].data = &data.back();
+    }
+  }
+  return roles;
+}
+
+// The property that is a label, if there is one; else the colours, if they are few.
+void take_labels(Polygons& out) {
+  const std::vector<Attribute>& data = out.attributes.face_data;
+  for (const std::string_view name :
+       {"label", "labels", "material", "material_index", "material_id", "region", "group"})
+    for (const Attribute& a : data) {
+      const auto whole = [](double x) { return x == std::floor(x) && std::abs(x) <= double{kMaxCount}; };
+      if (a.name != name || !std::all_of(a.values.begin(), a.values.end(), whole)) continue;
+      out.attributes.faces.of.assign(a.values.begin(), a.values.end());
+      return;
+    }
+  Attribute colour{"colour", NumberType::float64, 3, {}};
+  std::array<const Attribute*, 3> parts{};
+  for (const Attribute& a : data)
+    for (std::size_t k = 0; k < 3; ++k)
+      if (a.name == std::array{"red", "green", "blue"}[k]) parts[k] = &a;
+  if (!parts[0] || !parts[1] || !parts[2]) return;
+  for (std::size_t f = 0; f < out.sizes.size(); ++f)
+    for (const Attribute* part : parts) {
+      if (std::isnan(part->values[f])) return;
+      colour.values.push_back(part->values[f]);
+    }
+  Labels labels = labels_by_value(colour);
+  if (2 * labels.names.size() <= out.sizes.size()) out.attributes.faces = std::move(labels);
+}
+
 Status read_body(Source& in, const std::vector<Element>& elements, Polygons& out) {
   std::int64_t vertices = 0;
   for (const Element& e : elements)
@@ -172,13 +244,7 @@ Status read_body(Source& in, const std::vector<Element>& elements, Polygons& out
   for (const Element& e : elements) {
     in.element = e.name.c_str();
     const bool is_vertex = e.name == "vertex", is_face = e.name == "face";
-    std::vector<int> role(e.properties.size(), -1);  // 0..2: a coordinate, 3: the corners
-    for (std::size_t i = 0; i < e.properties.size(); ++i) {
-      const Property& p = e.properties[i];
-      if (is_vertex && !p.list && p.name.size() == 1 && p.name[0] >= 'x' && p.name[0] <= 'z')
-        role[i] = p.name[0] - 'x';
-      if (is_face && index_list(e, p)) role[i] = 3;
-    }
+    const std::vector<Role> role = roles_of(e, out);
     if (is_vertex) out.xyz.resize(static_cast<std::size_t>(3 * e.count));
     if (is_face) {
       out.sizes.reserve(static_cast<std::size_t>(e.count));
@@ -197,12 +263,13 @@ Status read_body(Source& in, const std::vector<Element>& elements, Polygons& out
         double x = 0;
         if (!p.list) {
           if (!in.next(p.type, x)) return in.error;
-          if (role[i] < 0) continue;
+          if (role[i].data) role[i].data->values.push_back(x);
+          if (role[i].coordinate < 0) continue;
           if (!std::isfinite(x)) {
             in.fail("a coordinate is not a finite number (" + in.which() + ")");
             return in.error;
           }
-          out.xyz[static_cast<std::size_t>(3 * n + role[i])] = x;
+          out.xyz[static_cast<std::size_t>(3 * n + role[i].coordinate)] = x;
           continue;
         }
         if (!in.next(p.count_type, x)) return in.error;
@@ -214,13 +281,13 @@ Status read_body(Source& in, const std::vector<Element>& elements, Polygons& out
           return in.error;
         }
         const auto size = static_cast<Index>(x);
-        if (role[i] == 3 && size < 3) {
+        if (role[i].corners && size < 3) {
           in.fail("a face needs at least three corners (" + in.which() + ")");
           return in.error;
         }
         for (Index k = 0; k < size; ++k) {
           if (!in.next(p.type, x)) return in.error;
-          if (role[i] != 3) continue;
+          if (!role[i].corners) continue;
           if (!(x >= 0 && x < static_cast<double>(vertices)) || x != std::floor(x)) {
             const bool whole = std::isfinite(x) && std::abs(x) < 1e15;
             in.fail("there is no vertex " +
@@ -231,7 +298,7 @@ Status read_body(Source& in, const std::vector<Element>& elements, Polygons& out
           }
           out.corners.push_back(static_cast<Index>(x));
         }
-        if (role[i] == 3) out.sizes.push_back(size);
+        if (role[i].corners) out.sizes.push_back(size);
       }
       if (!in.end_element()) return in.error;
     }
@@ -382,6 +449,7 @@ Result<Polygons> parse_ply(std::string_view name, std::string_view bytes, Surfac
     status = read_body(source, elements, out);
   }
   if (!status) return status.error();
+  take_labels(out);
   return out;
 }
 

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "kernels/core/point_table.h"
+#include "src/io/face_groups.h"
 #include "src/io/surface_parts.h"
 #include "src/io/text.h"
 
@@ -89,6 +90,7 @@ Result<Polygons> parse_ascii_stl(std::string_view name, std::string_view bytes, 
   TextCursor in(name, bytes, false);
   Polygons out;
   PointTable table(bytes.size() / 512);
+  FaceGroups solids;
   int corners = 0;
   bool inside = false;  // of a facet
   while (in.to_token()) {
@@ -120,6 +122,8 @@ Result<Polygons> parse_ascii_stl(std::string_view name, std::string_view bytes, 
       if (!inside || corners != 3) return bad("a triangle must have three corners");
       out.sizes.push_back(3);
       inside = false;
+    } else if (key == Keyword::solid) {
+      solids.begin(FaceGroups::solid, in, out.sizes.size());
     } else if (key == Keyword::other || key == Keyword::end) {
       return bad(quoted(word) + " is not an STL keyword");
     }
@@ -128,6 +132,7 @@ Result<Polygons> parse_ascii_stl(std::string_view name, std::string_view bytes, 
   if (inside) return malformed(name, "the file ends inside triangle " + std::to_string(out.sizes.size()));
   out.xyz = table.take_xyz();
   info.merged_vertices = static_cast<std::int64_t>(out.corners.size() - out.xyz.size() / 3);
+  solids.finish(out.sizes.size(), out.attributes);
   return out;
 }
 

@@ -1,8 +1,12 @@
 #include <algorithm>
-#include <cctype>
+#include <optional>
+#include <utility>
 
 #include "overtet/io.h"
+#include "src/io/face_groups.h"
 #include "src/io/file.h"
+#include "src/io/mesh_parts.h"
+#include "src/io/names.h"
 #include "src/io/surface_parts.h"
 #include "src/io/text.h"
 
@@ -12,28 +16,43 @@ using namespace io_detail;
 
 namespace {
 
-std::string extension_of(const std::string& path) {
-  const auto dot = path.rfind('.');
-  const auto slash = path.rfind('/');
-  if (dot == std::string::npos || (slash != std::string::npos && dot < slash)) return "";
-  std::string e = path.substr(dot + 1);
-  std::transform(e.begin(), e.end(), e.begin(), [](unsigned char c) { return std::tolower(c); });
-  return e;
-}
-
 std::string_view first_token(std::string_view bytes) {
   TextCursor cursor("", bytes.substr(0, 4096), true);
   return cursor.to_token() ? cursor.token() : std::string_view();
 }
 
-// "off", "ply", "stl" (ASCII), "bstl" (binary), or "" where only the extension can tell.
+// "off", "ply", "stl" (ASCII), "bstl" (binary), one of mesh_kind(), or "" where only the extension can tell.
 std::string sniff(std::string_view bytes) {
   if (bytes.substr(0, 3) == "ply" && bytes.size() > 3 && (bytes[3] == '\n' || bytes[3] == '\r')) return "ply";
   if (is_binary_stl(bytes)) return "bstl";
   const std::string_view t = first_token(bytes);
   if (t == "off" || (t.size() >= 3 && t.size() <= 8 && t.substr(t.size() - 3) == "OFF")) return "off";
   if (t == "solid" || t == "SOLID" || t == "Solid") return "stl";
-  return "";
+  if (is_gltf(bytes)) return "gltf";
+  const std::string_view mesh = mesh_kind(bytes);
+  return mesh == "abaqus" ? "" : std::string(mesh);
+}
+
+// Those of the kinds that are read as meshes with polygons.
+std::optional<Result<Polygons>> parse_mesh(std::string_view kind, std::string_view name,
+                                           std::string_view bytes, SurfaceReadInfo& info) {
+  Result<MeshParts> parts = kind == "gmsh"      ? parse_gmsh(name, bytes)
+                            : kind == "medit"   ? parse_medit(name, bytes)
+                            : kind == "vtk_xml" ? parse_vtk_xml(name, bytes)
+                            : kind == "vtk"     ? parse_vtk(name, bytes)
+                                                : Result<MeshParts>(Error{});
+  if (parts.ok()) return polygons_of(name, std::move(parts).value(), info);
+  if (parts.error().message.empty()) return std::nullopt;
+  return parts.error();
+}
+
+// The extension that files of a kind have.
+bool fits(std::string_view extension, std::string_view kind) {
+  if (kind == "gmsh") return extension == "msh";
+  if (kind == "medit") return extension == "mesh";
+  if (kind == "gltf") return extension == "gltf" || extension == "glb";
+  if (kind == "vtk_xml") return extension == "vtp" || extension == "vtu";
+  return extension == (kind == "bstl" ? "stl" : kind);
 }
 
 }  // namespace
@@ -51,20 +70,25 @@ std::string name_in_file(const char* word, Index i, Index first, const std::vect
 // The format that the file is in, as sniff() names it.
 Result<std::string> format_of(const std::string& path, const std::string& name, std::string_view bytes,
                               SurfaceReadInfo& info) {
-  const std::string extension = extension_of(path);
+  const std::string extension = parts_of_name(path).extension;
   const std::string kind = sniff(bytes);
-  const bool known = extension == "off" || extension == "obj" || extension == "ply" || extension == "stl";
+  static constexpr std::string_view extensions[] = {"off", "obj", "ply",  "stl", "msh", "mesh",
+                                                    "vtp", "vtu", "gltf", "glb", "vtk"};
+  const bool known =
+      std::find(std::begin(extensions), std::end(extensions), extension) != std::end(extensions);
   if (!kind.empty()) {
-    if (known && extension != (kind == "bstl" ? "stl" : kind))
+    if (known && !fits(extension, kind))
       info.notes.push_back("The extension is ." + extension + ", but the file begins like " +
                            (kind == "bstl" ? std::string("binary STL") : kind) + " and was read as such.");
     return kind;
   }
-  if (extension == "obj") return std::string("obj");
+  if (extension == "obj" || path == "-") return std::string("obj");
   if (extension == "off") return malformed(name, "the file does not begin with OFF");
   if (extension == "ply") return malformed(name, "the file does not begin with ply");
   if (extension != "stl")
-    return malformed(name, "this is not a surface format that Overtet reads (OBJ, OFF, PLY, STL)");
+    return malformed(
+        name,
+        "this is not a surface format that Overtet reads (OBJ, OFF, PLY, STL, glTF, VTP, VTK, MEDIT, Gmsh)");
   if (!is_binary_stl(bytes, true))
     return malformed(name,
                      "the file is neither ASCII STL (it does not begin with solid) nor binary STL "
@@ -97,8 +121,7 @@ Result<Surface> read_surface(const std::string& path, SurfaceReadInfo* info_out,
   Result<std::string> file = read_file(path);
   if (!file) return file.error();
   std::string& bytes = file.value();
-  const auto slash = path.rfind('/');
-  const std::string name = slash == std::string::npos ? path : path.substr(slash + 1);
+  const std::string name = file_name(path);
   if (bytes.empty()) return malformed(name, "the file is empty");
 
   SurfaceReadInfo local;
@@ -107,10 +130,15 @@ Result<Surface> read_surface(const std::string& path, SurfaceReadInfo* info_out,
   const Result<std::string> format = format_of(path, name, bytes, info);
   if (!format) return format.error();
   const std::string& kind = format.value();
-  if (kind != "bstl" && (kind != "ply" || is_text_ply(bytes))) tidy_text(bytes);
-  Result<Polygons> parsed = kind == "off"    ? parse_off(name, bytes, info)
-                            : kind == "ply"  ? parse_ply(name, bytes, info)
-                            : kind == "stl"  ? parse_ascii_stl(name, bytes, info)
+  if (kind == "off" || kind == "obj" || kind == "stl" || (kind == "ply" && is_text_ply(bytes)))
+    tidy_text(bytes);
+  std::optional<Result<Polygons>> mesh = parse_mesh(kind, name, bytes, info);
+  Result<Polygons> parsed = mesh            ? *std::move(mesh)
+                            : kind == "off" ? parse_off(name, bytes, info)
+                            : kind == "ply" ? parse_ply(name, bytes, info)
+                            : kind == "stl" ? parse_ascii_stl(name, bytes, info)
+                            : kind == "gltf"
+                                ? parse_gltf(name, path.substr(0, path.size() - name.size()), bytes, info)
                             : kind == "bstl" ? parse_binary_stl(name, bytes, info)
                                              : parse_obj(name, bytes, info);
   if (!parsed) return parsed.error();
@@ -123,6 +151,8 @@ Result<Surface> read_surface(const std::string& path, SurfaceReadInfo* info_out,
   Surface surface = triangulate(polygons, info.polygons, info.source.face);
   info.source.vertex_line = std::move(polygons.vertex_line);
   info.source.face_line = std::move(polygons.face_line);
+  spread_to_triangles(polygons.sizes, polygons.attributes);
+  info.attributes = std::move(polygons.attributes);
   if (info.polygons > 0)
     info.notes.push_back(std::to_string(info.polygons) +
                          " faces with more than three corners were cut into triangles.");

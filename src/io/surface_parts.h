@@ -20,7 +20,8 @@ constexpr std::int64_t kMaxCount = std::numeric_limits<Index>::max();
 struct Polygons {
   std::vector<double> xyz;
   std::vector<Index> corners;
-  std::vector<Index> sizes;  // of each face, at least 3
+  std::vector<Index> sizes;      // of each face, at least 3
+  SurfaceAttributes attributes;  // of these vertices and faces
   // On which they begin; empty in binary files, and where no one asks for them. Of STL: of the first corner.
   std::vector<std::uint32_t> vertex_line, face_line;
 };
@@ -36,6 +37,10 @@ Result<Polygons> parse_ascii_stl(std::string_view name, std::string_view bytes, 
 Result<Polygons> parse_binary_stl(std::string_view name, std::string_view bytes, SurfaceReadInfo& info);
 // longer: also where something follows the triangles.
 bool is_binary_stl(std::string_view bytes, bool longer = false);
+// folder: where the files are that a .gltf file names, with a slash at its end.
+Result<Polygons> parse_gltf(std::string_view name, const std::string& folder, std::string_view bytes,
+                            SurfaceReadInfo& info);
+bool is_gltf(std::string_view bytes);
 
 // Cuts the polygons into triangles, in order; counts the ones that were not triangles. A polygon of n corners
 // becomes n - 2 triangles; a corner that is named twice in a row is left out and comes last, as a triangle

@@ -17,4 +17,7 @@ constexpr std::size_t kBuffer = 1 << 20;
 // (quadratic), beyond them it becomes a fan.
 constexpr std::size_t kBestEarCorners = 64, kMaxEarCorners = 1024;
 
+// Characters that a number in an Abaqus file may have: CalculiX reads no more.
+constexpr std::size_t kMostCharacters = 20;
+
 }  // namespace overtet

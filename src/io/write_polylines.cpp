@@ -1,6 +1,7 @@
 #include <string_view>
 
 #include "src/io/filled_file.h"
+#include "src/io/names.h"
 #include "src/io/polylines_io.h"
 
 namespace overtet {
@@ -67,8 +68,9 @@ void write_obj_lines(TextWriter& out, const Polylines& p) {
 }  // namespace
 
 Result<CurveFormat> curve_format_of(const std::string& path) {
-  if (path.ends_with(".vtp")) return CurveFormat::vtp;
-  if (path.ends_with(".obj")) return CurveFormat::obj;
+  const std::string extension = io_detail::parts_of_name(path).extension;
+  if (extension == "vtp") return CurveFormat::vtp;
+  if (extension == "obj") return CurveFormat::obj;
   return Error{ErrorCode::usage, "Curves are written as .vtp or .obj; " + path + " is neither."};
 }
 

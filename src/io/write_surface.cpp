@@ -3,6 +3,7 @@
 
 #include "overtet/io.h"
 #include "src/io/filled_file.h"
+#include "src/io/names.h"
 
 namespace overtet {
 
@@ -18,24 +19,35 @@ void vertices(TextWriter& out, std::string_view lead, const VertexMatrix& V) {
   for (Eigen::Index v = 0; v < V.rows(); ++v) row(out, lead, V(v, 0), V(v, 1), V(v, 2));
 }
 
-void faces(TextWriter& out, std::string_view lead, const TriangleMatrix& F, int first) {
-  for (Eigen::Index f = 0; f < F.rows(); ++f)
-    row(out, lead, F(f, 0) + first, F(f, 1) + first, F(f, 2) + first);
-}
-
-void write_off(TextWriter& out, const Surface& s) {
+void write_off(TextWriter& out, const Surface& s, const Labels& labels) {
   out.text("OFF\n")
       .number(std::int64_t{s.V.rows()})
       .character(' ')
       .number(std::int64_t{s.F.rows()})
       .text(" 0\n");
   vertices(out, "", s.V);
-  faces(out, "3 ", s.F, 0);
+  for (Eigen::Index f = 0; f < s.F.rows(); ++f) {
+    out.character('3');
+    for (int k = 0; k < 3; ++k) out.character(' ').number(s.F(f, k));
+    if (!labels.of.empty()) out.character(' ').number(labels.of[static_cast<std::size_t>(f)]);
+    out.end_line();
+  }
 }
 
-void write_obj(TextWriter& out, const Surface& s) {
+void write_obj(TextWriter& out, const Surface& s, const Labels& labels) {
   vertices(out, "v ", s.V);
-  faces(out, "f ", s.F, 1);
+  for (Eigen::Index f = 0; f < s.F.rows(); ++f) {
+    const auto i = static_cast<std::size_t>(f);
+    if (!labels.of.empty() && (i == 0 || labels.of[i] != labels.of[i - 1])) {
+      const auto name = labels.names.find(labels.of[i]);
+      out.text("g ");
+      if (name == labels.names.end())
+        out.number(labels.of[i]).end_line();
+      else
+        out.text(name->second).end_line();
+    }
+    row(out, "f ", s.F(f, 0) + 1, s.F(f, 1) + 1, s.F(f, 2) + 1);
+  }
 }
 
 template <class T>
@@ -47,10 +59,11 @@ void append_little(std::string& bytes, T x) {
   bytes.append(b, sizeof(T));
 }
 
-void write_ply(TextWriter& out, const Surface& s) {
+void write_ply(TextWriter& out, const Surface& s, const Labels& labels) {
   out.text("ply\nformat binary_little_endian 1.0\nelement vertex ").number(std::int64_t{s.V.rows()});
   out.text("\nproperty double x\nproperty double y\nproperty double z\nelement face ");
-  out.number(std::int64_t{s.F.rows()}).text("\nproperty list uchar int vertex_indices\nend_header\n");
+  out.number(std::int64_t{s.F.rows()}).text("\nproperty list uchar int vertex_indices\n");
+  out.text(labels.of.empty() ? "end_header\n" : "property int label\nend_header\n");
   std::string row;
   for (Eigen::Index v = 0; v < s.V.rows(); ++v) {
     row.clear();
@@ -60,6 +73,7 @@ void write_ply(TextWriter& out, const Surface& s) {
   for (Eigen::Index f = 0; f < s.F.rows(); ++f) {
     row.assign(1, '\3');
     for (int k = 0; k < 3; ++k) append_little(row, s.F(f, k));
+    if (!labels.of.empty()) append_little(row, labels.of[static_cast<std::size_t>(f)]);
     out.text(row);
   }
 }
@@ -67,26 +81,26 @@ void write_ply(TextWriter& out, const Surface& s) {
 }  // namespace
 
 Result<SurfaceFormat> surface_format_of(const std::string& path) {
-  const auto ends = [&](std::string_view e) {
-    return path.size() >= e.size() && std::string_view(path).substr(path.size() - e.size()) == e;
-  };
-  if (ends(".off")) return SurfaceFormat::off;
-  if (ends(".obj")) return SurfaceFormat::obj;
-  if (ends(".ply")) return SurfaceFormat::ply;
+  const std::string extension = io_detail::parts_of_name(path).extension;
+  if (extension == "off") return SurfaceFormat::off;
+  if (extension == "obj") return SurfaceFormat::obj;
+  if (extension == "ply") return SurfaceFormat::ply;
   return Error{ErrorCode::usage, "Surfaces are written as .off, .obj or .ply, not as " + path + "."};
 }
 
 Status write_surface(const std::string& path, const Surface& surface, SurfaceFormat format,
-                     const RunContext& context) {
+                     const RunContext& context, const Labels* labels) {
+  const Labels none;
+  const Labels& l = labels ? *labels : none;
   const ScopedThreads threads(context.threads > 0 ? context.threads : thread_cap());
   return io_detail::write_file(path, [&](TextWriter& out) {
     switch (format) {
       case SurfaceFormat::off:
-        return write_off(out, surface);
+        return write_off(out, surface, l);
       case SurfaceFormat::obj:
-        return write_obj(out, surface);
+        return write_obj(out, surface, l);
       case SurfaceFormat::ply:
-        return write_ply(out, surface);
+        return write_ply(out, surface, l);
     }
   });
 }

@@ -20,6 +20,9 @@ struct KernelCounts {
   void add_since(const KernelCounts& before, std::vector<Figure>& figures) const;
 };
 
+// Tells what a stage took and found, on one line.
+void tell(const StageRecord& record, const RunContext& context);
+
 // f(record) returns a Result. A stage that is tried twice leaves two records.
 template <class F>
 auto timed_stage(const char* name, std::vector<StageRecord>& records, const RunContext& context, F&& f) {
@@ -34,6 +37,7 @@ auto timed_stage(const char* name, std::vector<StageRecord>& records, const RunC
   record.cpu_seconds = cpu_seconds() - cpu;
   KernelCounts::now().add_since(counts, record.figures);
   if (!outcome.ok()) record.figures.emplace_back("error", outcome.error().message);
+  tell(record, context);
   records.push_back(std::move(record));
   return outcome;
 }

@@ -171,7 +171,7 @@ TEST(Api, TheContextEndsARun) {
   EXPECT_EQ(error_with(late).reason, ErrorReason::time_limit);
   EXPECT_EQ(error_with(small).code, ErrorCode::limit);
   EXPECT_EQ(error_with(small).reason, ErrorReason::memory_limit);
-  EXPECT_EQ(error_with(no_helper).code, ErrorCode::internal);
+  EXPECT_EQ(error_with(no_helper).code, ErrorCode::io);
   EXPECT_NE(error_with(no_helper).message.find(no_helper.tetgen_helper), std::string::npos);
   EXPECT_EQ(diagnose(s, cancelled).error().code, ErrorCode::interrupted);
   EXPECT_EQ(diagnose(s, late).error().code, ErrorCode::limit);

@@ -12,6 +12,8 @@
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
 #include <thread>
 
 #include "overtet/io.h"
@@ -63,6 +65,229 @@ TEST_F(Cli, HelpAndVersion) {
   }
 }
 
+TEST_F(Cli, HelpAndVersionInOtherWords) {
+  EXPECT_EQ(run("help").out, run("--help").out);
+  EXPECT_EQ(run("help mesh").out, run("mesh --help").out);
+  EXPECT_EQ(run("version").out, run("--version").out);
+  EXPECT_EQ(run("-V").out, run("--version").out);
+  EXPECT_EQ(run("help").exit_code, 0);
+  EXPECT_EQ(run("-V").exit_code, 0);
+}
+
+TEST_F(Cli, WhatIsMistypedGetsASuggestion) {
+  const std::string in = save("a.off", test::sphere(1));
+  const std::pair<std::string, const char*> all[] = {
+      {"mehs " + in, "do you mean mesh?"},
+      {"help inspcet", "do you mean inspect?"},
+      {"dance", "the commands are mesh"},
+      {"", "the commands are mesh"},
+      {"mesh " + in + " -o o.mesh --fromat medit", "no option --fromat; do you mean --format?"},
+      {"verify " + in + " o.mesh --max-mvoe=3", "do you mean --max-move?"},
+      {"mesh " + in + " -o o.mesh --zzz", "mesh has no option --zzz"},
+      {"mesh " + in + " stray.off -o o.mesh", "one argument too many: stray.off"},
+      {"verify " + in + " o.mesh stray", "one argument too many: stray"},
+      {"mesh " + in + " -o o.mesh --improve 60", "60 is not from 0 to 40"},
+      {"mesh " + in + " -o o.mesh --time-limit 0", "0 is not more than 0"},
+      {"repair " + in + " -o o.off --max-move 1000", "1000 is not from 0.000001 to 100"},
+      {"mesh " + in + " -o o.mesh --threads x", "x is not a number"},
+      {"mesh " + in + " -o -", "--format"}};
+  for (const auto& [words, said] : all) {
+    const ShellResult r = run(words);
+    EXPECT_EQ(r.exit_code, 2) << words;
+    expect_one_line(r);
+    EXPECT_NE(r.err.find(said), std::string::npos) << words << ": " << r.err;
+  }
+}
+
+TEST_F(Cli, AFileWithoutACommandIsMeshed) {
+  const std::string in = save("a.off", test::sphere(1));
+  EXPECT_EQ(run(in + " -o " + folder_.file("o.mesh")).exit_code, 0);
+  EXPECT_EQ(run("-o " + folder_.file("p.mesh") + " " + in).exit_code, 0);
+  EXPECT_EQ(run("verify " + in + " " + folder_.file("o.mesh")).exit_code, 0);
+  EXPECT_EQ(test::read_text(folder_.file("o.mesh")), test::read_text(folder_.file("p.mesh")));
+}
+
+TEST_F(Cli, EndingsCountInAnyCase) {
+  const std::string in = save("a.off", test::sphere(1));
+  EXPECT_EQ(run("mesh " + in + " -o " + folder_.file("o.MESH")).exit_code, 0);
+  EXPECT_EQ(run("verify " + in + " " + folder_.file("o.MESH")).exit_code, 0);
+  EXPECT_EQ(run("repair " + in + " -o " + folder_.file("o.Ply")).exit_code, 0);
+  EXPECT_EQ(run("inspect " + in + " --save-curves " + folder_.file("o.VTP")).exit_code, 0);
+}
+
+TEST_F(Cli, AFormatThatIsNotTheEndingsIsSaid) {
+  const std::string in = save("a.off", test::sphere(1)), out = folder_.file("o.vtu");
+  const ShellResult r = run("mesh " + in + " -o " + out + " --format medit");
+  EXPECT_EQ(r.exit_code, 0);
+  EXPECT_NE(r.err.find("is written as medit"), std::string::npos) << r.err;
+  EXPECT_EQ(run("verify " + in + " " + out).exit_code, 3);
+  EXPECT_EQ(run("verify " + in + " " + out + " --format medit").exit_code, 0);
+  EXPECT_EQ(run("mesh " + in + " -o " + folder_.file("o.msh") + " --format msh22").err.find("ending"),
+            std::string::npos);
+}
+
+TEST_F(Cli, AMissingFolderIsNamed) {
+  const std::string in = save("a.off", test::sphere(1));
+  for (const std::string& words :
+       {"mesh " + in + " -o " + folder_.file("no/such/o.mesh"),
+        "mesh " + in + " -o " + folder_.file("o.mesh") + " --report " + folder_.file("no/such/r.json")}) {
+    const ShellResult r = run(words);
+    EXPECT_EQ(r.exit_code, 7);
+    EXPECT_NE(r.err.find("there is no folder " + folder_.file("no/such")), std::string::npos) << r.err;
+  }
+}
+
+TEST_F(Cli, StandardInputAndOutput) {
+  const std::string in = save("a.off", test::sphere(2)), program = OVERTET_PROGRAM;
+  ASSERT_EQ(run("mesh " + in + " -o " + folder_.file("o.msh")).exit_code, 0);
+  const ShellResult r = shell("cat " + in + " | " + program + " mesh - -o - --format msh41");
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_EQ(r.out, test::read_text(folder_.file("o.msh")));
+  EXPECT_EQ(shell("cat " + folder_.file("o.msh") + " | " + program + " verify " + in + " -").exit_code, 0);
+  const ShellResult through = shell(program + " convert - - --format vtu < " + folder_.file("o.msh") + " | " +
+                                    program + " convert - - --format msh41");
+  EXPECT_EQ(through.out, r.out);
+  EXPECT_EQ(shell("cat " + in + " | " + program + " inspect -").exit_code, 0);
+  EXPECT_EQ(shell(program + " mesh " + in + " -o - --format vtu > /dev/full").exit_code, 7);
+}
+
+TEST_F(Cli, CompressedFiles) {
+  const std::string in = save("a.off", test::sphere(1));
+  ASSERT_EQ(shell("gzip -k " + in).exit_code, 0);
+  ASSERT_EQ(run("mesh " + in + ".gz -o " + folder_.file("o.mesh.gz")).exit_code, 0);
+  ASSERT_EQ(run("mesh " + in + " -o " + folder_.file("o.mesh")).exit_code, 0);
+  EXPECT_EQ(shell("gunzip -c " + folder_.file("o.mesh.gz")).out, test::read_text(folder_.file("o.mesh")));
+  EXPECT_EQ(run("verify " + in + ".gz " + folder_.file("o.mesh.gz")).exit_code, 0);
+  test::write_text(folder_.file("b.off.gz"), test::read_text(in + ".gz").substr(0, 100));
+  const ShellResult r = run("inspect " + folder_.file("b.off.gz"));
+  EXPECT_EQ(r.exit_code, 3);
+  expect_one_line(r);
+}
+
+TEST_F(Cli, ConvertKeepsLabelsToTheBit) {
+  const std::string stl = folder_.file("a.stl");
+  std::ofstream out(stl);
+  for (const double x : {0.0, 0.7}) {
+    const Surface s = test::shifted(test::sphere(1), x, 0, 0);
+    out << "solid " << (x == 0 ? "left" : "right") << "\n";
+    for (Eigen::Index f = 0; f < s.F.rows(); ++f) {
+      out << "facet normal 0 0 0\nouter loop\n";
+      for (int k = 0; k < 3; ++k) out << "vertex " << s.V.row(s.F(f, k)) << "\n";
+      out << "endloop\nendfacet\n";
+    }
+    out << "endsolid\n";
+  }
+  out.close();
+  ASSERT_EQ(run("mesh " + stl + " -o " + folder_.file("0.vtu")).exit_code, 0);
+  int step = 0;
+  std::string last = folder_.file("0.vtu");
+  for (const char* extension : {".msh", ".vtk", ".vtu"}) {
+    const std::string next = folder_.file(std::to_string(++step) + extension);
+    ASSERT_EQ(run("convert " + last + " " + next).exit_code, 0) << next;
+    EXPECT_EQ(run("verify " + stl + " " + next).exit_code, 0) << next;
+    last = next;
+  }
+  EXPECT_EQ(test::read_text(last), test::read_text(folder_.file("0.vtu")));
+  for (const char* extension : {".mesh", ".node", ".inp"}) {
+    const std::string next = folder_.file(std::to_string(++step) + extension);
+    ASSERT_EQ(run("convert " + folder_.file("0.vtu") + " " + next + " --order 2").exit_code, 0) << next;
+    const ShellResult r = run("verify --json " + stl + " " + next);
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    EXPECT_EQ(json::parse(r.out)["triangles_in_file"], 160);
+  }
+  const Result<LabelledTetMesh> m = read_labelled_tets(folder_.file("1.msh"));
+  ASSERT_TRUE(m.ok());
+  EXPECT_EQ(m.value().attributes.regions.names, (std::map<Index, std::string>{{1, "left"}, {2, "right"}}));
+  EXPECT_EQ(m.value().attributes.labels.names, (std::map<Index, std::string>{{1, "left"}, {2, "right"}}));
+  // A label that is changed is found.
+  std::string text = test::read_text(folder_.file("4.mesh"));
+  const std::size_t at = text.find("TrianglesP2");
+  const std::size_t end = text.find(" 1\n", at);
+  ASSERT_NE(end, std::string::npos);
+  test::write_text(folder_.file("w.mesh"), text.replace(end, 3, " 2\n"));
+  const ShellResult wrong = run("verify --json " + stl + " " + folder_.file("w.mesh"));
+  EXPECT_EQ(wrong.exit_code, 4);
+  EXPECT_EQ(json::parse(wrong.out)["failures"][0]["rule"], "R7");
+  EXPECT_EQ(run("convert " + last + " " + last).exit_code, 2);
+}
+
+// The boundary of a VTU goes into a second file, which must not be the input.
+TEST_F(Cli, ASecondOutputDoesNotOverwriteTheInput) {
+  const std::string in = save("a.off", test::sphere(1));
+  ASSERT_EQ(run("mesh " + in + " -o " + folder_.file("o.vtu")).exit_code, 0);
+  const std::string boundary = folder_.file("o_boundary.vtp"), before = test::read_text(boundary);
+  EXPECT_EQ(run("mesh " + boundary + " -o " + folder_.file("o.vtu")).exit_code, 2);
+  EXPECT_EQ(test::read_text(boundary), before);
+  EXPECT_EQ(run("mesh " + boundary + " -o " + folder_.file("p.vtu")).exit_code, 0);
+}
+
+TEST_F(Cli, InspectSaysEachThingOnce) {
+  Surface s = test::sphere(1);
+  s.F = s.F.bottomRows(s.F.rows() - 1).eval();
+  const std::string open = save("open.off", s), saucer = save("saucer.off", test::saucer()),
+                    worm = save("worm.off", test::curled_worm());
+  for (const std::string& in : {open, saucer, worm}) {
+    const ShellResult r = run("inspect " + in);
+    std::istringstream lines(r.out + r.err);
+    std::set<std::string> met;
+    for (std::string line; std::getline(lines, line);) {
+      const std::string sentence = line.substr(std::min<std::size_t>(12, line.size()));
+      if (sentence.size() > 12) {
+        EXPECT_TRUE(met.insert(sentence).second) << line;
+      }
+    }
+  }
+  EXPECT_EQ(run("inspect " + open).exit_code, 3);
+  EXPECT_EQ(run("inspect " + saucer).exit_code, 0);
+  EXPECT_EQ(run("inspect " + saucer + " --fail-on unclean").exit_code, 0);
+  EXPECT_EQ(run("inspect " + saucer + " --fail-on unclean,infeasible").exit_code, 5);
+  EXPECT_EQ(run("inspect " + saucer + " --fail-on anything").exit_code, 2);
+  EXPECT_EQ(run("inspect " + worm + " --fail-on infeasible --fail-on unclean").exit_code, 0);
+}
+
+TEST_F(Cli, InspectPrintsThePointsOfCurves) {
+  const std::string in = save("a.off", test::curled_worm());
+  const std::string with = run("inspect " + in + " --curves").out, without = run("inspect " + in).out;
+  EXPECT_NE(with.find("point 0: "), std::string::npos);
+  EXPECT_EQ(without.find("point 0: "), std::string::npos);
+}
+
+TEST_F(Cli, InfoTellsStagesAndTheirFigures) {
+  const ShellResult r =
+      run("mesh " + save("a.off", test::torus()) + " -o " + folder_.file("o.mesh") + " --log-level info");
+  for (const char* word : {"info: diagnose: ", "info: improve: ", "flips ", "info: verify: ", " s"})
+    EXPECT_NE(r.err.find(word), std::string::npos) << word << r.err;
+}
+
+TEST_F(Cli, RepairsOfSurfacesHaveReports) {
+  Surface s = test::box(4);  // a face without area
+  s.V.row(s.F(40, 0)) = (s.V.row(s.F(40, 1)) + s.V.row(s.F(40, 2))) / 2;
+  const std::string in = save("a.off", s), report_to = " --report " + folder_.file("r.json");
+  ASSERT_EQ(run("repair " + in + " -o " + folder_.file("o.off") + report_to).exit_code, 0);
+  json j = report("r.json");
+  EXPECT_EQ(j["status"], "repaired");
+  EXPECT_GT(j["moved"]["vertices"], 0);
+  EXPECT_EQ(j["moved"]["ids"].size(), j["moved"]["vertices"]);
+  EXPECT_EQ(j["options"]["max_move"], 6);
+  const ShellResult r =
+      run("repair " + folder_.file("absent.off") + " -o " + folder_.file("p.off") + report_to);
+  EXPECT_EQ(r.exit_code, 7);
+  j = report("r.json");
+  EXPECT_EQ(j["status"], "failed");
+  EXPECT_EQ("overtet: " + j["message"].get<std::string>() + "\n", r.err);
+}
+
+TEST_F(Cli, AMissingHelperIsExplained) {
+  const std::string program = folder_.file("overtet");
+  std::filesystem::copy_file(OVERTET_PROGRAM, program);
+  const ShellResult r =
+      shell(program + " mesh " + save("s.off", test::sphere(1)) + " -o " + folder_.file("o.mesh"));
+  EXPECT_EQ(r.exit_code, 7);
+  expect_one_line(r);
+  EXPECT_NE(r.err.find("overtet-tetgen"), std::string::npos) << r.err;
+  EXPECT_NE(r.err.find(folder_.path()), std::string::npos) << r.err;
+}
+
 TEST_F(Cli, UsageErrors) {
   const std::string in = save("a.off", test::sphere(1));
   const std::string out = folder_.file("o.mesh");
@@ -103,7 +328,7 @@ TEST_F(Cli, MeshesACleanSurface) {
     EXPECT_TRUE(s["seconds"].is_number() && s["cpu_seconds"].is_number() && s["iterations"].is_number());
   }
   EXPECT_EQ(stages, (std::vector<std::string>{"read", "diagnose", "tet_mesh", "improve", "set_apart",
-                                              "verify", "measure", "write"}));
+                                              "verify", "measure", "label", "write"}));
   EXPECT_EQ(j["quality"]["coincident_vertices"], 0);
   EXPECT_GT(j["quality"]["closest_pair"], 1e-6);
 
@@ -291,7 +516,48 @@ TEST_F(Cli, RepairMakesAMeshOrASurface) {
   EXPECT_EQ(run("verify " + surface + " " + mesh).exit_code, 0);
   EXPECT_EQ(run("repair " + in + " -o " + surface).exit_code, 0);
   EXPECT_EQ(run("repair " + in + " -o " + mesh + " --surface-only").exit_code, 2);
-  EXPECT_EQ(run("repair " + in + " -o " + surface + " --report " + folder_.file("r.json")).exit_code, 2);
+  EXPECT_EQ(run("repair " + in + " -o " + surface + " --report " + surface).exit_code, 2);
+}
+
+// Labels of the file, when faces were left out, subdivided or moved.
+TEST_F(Cli, LabelsGoWithTheSurfaceWhateverIsDoneToIt) {
+  const std::string in = folder_.file("in.off"), mesh = folder_.file("o.vtu");
+  const Surface s = test::obstructed_elbow(0);
+  Labels labels;
+  for (Index f = 0; f < s.F.rows(); ++f) labels.of.push_back(7 + f % 3);
+  for (const char* name : {"s.off", "s.ply"}) {
+    const std::string surface = folder_.file(name);
+    // With a face that is there twice and a vertex that none has.
+    Surface raw = s;
+    raw.V.conservativeResize(s.V.rows() + 1, 3);
+    raw.V.row(s.V.rows()).setZero();
+    raw.F.conservativeResize(s.F.rows() + 1, 3);
+    raw.F.row(s.F.rows()) = raw.F.row(1);
+    Labels with_copy = labels;
+    with_copy.of.push_back(99);
+    ASSERT_TRUE(write_surface(in, raw, SurfaceFormat::off, {}, &with_copy).ok());
+    for (const std::string how : {"refine", "branch", "repair"}) {
+      const ShellResult r =
+          run("mesh " + in + " -o " + mesh + " --on-infeasible " + how + " --save-surface " + surface +
+              " --save-cleaned " + folder_.file("c.off") + " --report " + folder_.file("r.json"));
+      ASSERT_EQ(r.exit_code, 0) << r.err;
+      const Result<LabelledTetMesh> made = read_labelled_tets(mesh);
+      ASSERT_TRUE(made.ok());
+      std::vector<Index> expected = labels.of;
+      if (how == "refine") {
+        expected.clear();
+        const json refined = report("r.json")["refined"];
+        for (const Index f : refined["faces"]) expected.push_back(labels.of[static_cast<std::size_t>(f)]);
+      }
+      EXPECT_EQ(made.value().attributes.labels.of, expected) << how;
+      SurfaceReadInfo info;
+      ASSERT_TRUE(read_surface(folder_.file("c.off"), &info).ok());
+      EXPECT_EQ(info.attributes.faces.of, labels.of);
+      ASSERT_TRUE(read_surface(surface, &info).ok());
+      EXPECT_EQ(info.attributes.faces.of, expected) << how;
+      EXPECT_EQ(run("verify --allow-branches " + surface + " " + mesh).exit_code, 0) << how;
+    }
+  }
 }
 
 TEST_F(Cli, RefinesAndBranchesOnRequest) {

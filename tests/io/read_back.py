@@ -36,8 +36,9 @@ def with_gmsh(path):
 
 
 def with_vtk(path):
+    from vtkmodules.vtkIOLegacy import vtkUnstructuredGridReader
     from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
-    r = vtkXMLUnstructuredGridReader()
+    r = vtkUnstructuredGridReader() if path.endswith('.vtk') else vtkXMLUnstructuredGridReader()
     r.SetFileName(path)
     r.Update()
     g = r.GetOutput()

@@ -1,0 +1,30 @@
+#include <sys/stat.h>
+
+#include "src/cli/commands.h"
+
+namespace overtet {
+
+Result<TetFormat> output_format(const std::string& path, const std::string& named, Terminal& terminal) {
+  const Result<TetFormat> by_ending = tet_format_of(path);
+  if (named.empty()) {
+    if (!by_ending && path == "-")
+      return Error{ErrorCode::usage, "Name the format of what goes to standard output: --format."};
+    return by_ending;
+  }
+  const Result<TetFormat> format = tet_format_named(named);
+  const auto is_gmsh = [](TetFormat f) { return f == TetFormat::gmsh22 || f == TetFormat::gmsh41; };
+  if (format && by_ending && format.value() != by_ending.value() &&
+      !(is_gmsh(format.value()) && is_gmsh(by_ending.value())))
+    terminal.say(path + " is written as " + named + ", as --format says, and not as its ending does.");
+  return format;
+}
+
+bool same_file(const std::string& a, const std::string& b) {
+  struct stat x, y;
+  if (a.empty() || b.empty() || a == "-" || b == "-") return false;
+  if (a == b) return true;
+  return ::stat(a.c_str(), &x) == 0 && ::stat(b.c_str(), &y) == 0 && S_ISREG(x.st_mode) &&
+         x.st_dev == y.st_dev && x.st_ino == y.st_ino;
+}
+
+}  // namespace overtet
