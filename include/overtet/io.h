@@ -117,8 +117,8 @@ std::vector<std::string> tet_files(const std::string& path, TetFormat format);
 
 struct TetWriteOptions {
   TetFormat format = TetFormat::medit;
-  int order =
-      1;  // 2: tets with ten vertices, triangles with six; those in the middle of edges, at (a + b) / 2
+  // 2: tets with ten vertices, triangles with six; those in the middle of edges, at (a + b) / 2.
+  int order = 1;
 
   Status validate() const;  // Errors: usage.
 };

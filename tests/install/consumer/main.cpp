@@ -22,7 +22,10 @@ int main(int argc, char** argv) {
   const overtet::Meshing& m = made.value();
   std::printf("%d vertices, %d tets, smallest dihedral angle %.2f degrees\n", int(m.mesh.V.rows()),
               int(m.mesh.T.rows()), m.quality.dihedral_min);
-  const auto written = overtet::write_tets(argv[2], m.mesh, overtet::TetFormat::medit, context);
+  // The surface's triangles and the regions, beside the tets.
+  const auto attributes = overtet::mesh_attributes(surface.value(), {}, m.mesh, {}, context);
+  if (!attributes) return 1;
+  const auto written = overtet::write_tets(argv[2], m.mesh, attributes.value(), {}, context);
   if (!written) std::puts(written.error().message.c_str());
   return written ? 0 : 1;
 }
