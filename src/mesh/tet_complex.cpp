@@ -52,6 +52,12 @@ TetComplex::Face TetComplex::face(Index t, int k) const {
   return f;
 }
 
+// Whether the tet sees the corners a, b, c in this order, from outside. One of the two tets of a face does.
+bool TetComplex::turns_up(const Face& f) const {
+  const auto [a, b, c] = tet_face(tet_[f.t], f.k);
+  return f.a == a ? f.b == b : f.a == b ? f.b == c : f.b == a;
+}
+
 void TetComplex::take(const VertexMatrix& V, const TetMatrix& T) {
   const Index n = static_cast<Index>(V.rows()), m = static_cast<Index>(T.rows());
   position_.resize(n);
@@ -98,7 +104,8 @@ TetComplex::TetComplex(const VertexMatrix& V, const TetMatrix& T) {
         return std::tie(x.b, x.c, x.t, x.k) < std::tie(y.b, y.c, y.t, y.k);
       });
       for (auto f = first; f != last; ++f)
-        if (f + 1 != last && same(*f, *(f + 1))) {
+        // Two tets on one side (a mesh that is wrong) are no neighbours: rings would not end.
+        if (f + 1 != last && same(*f, *(f + 1)) && turns_up(*f) != turns_up(*(f + 1))) {
           OVERTET_EXPECTS(f + 2 == last || !same(*f, *(f + 2)));
           next_[f->t][f->k] = (f + 1)->t;
           next_[(f + 1)->t][(f + 1)->k] = f->t;

@@ -96,6 +96,7 @@ class TetComplex {
     Index a, b, c, t, k;
   };
   Face face(Index t, int k) const;
+  bool turns_up(const Face& f) const;
   void take(const VertexMatrix& V, const TetMatrix& T);  // all but the neighbours
   void next_mark() const;
   bool every_vertex_has_its_tet() const;

@@ -163,6 +163,24 @@ TEST(TetComplex, ReplaceMatchesBruteForce) {
   expect_consistent(c);
 }
 
+// A cover that was wrong had such tets, and the quality pass walked around an edge until the memory was full.
+TEST(TetComplex, RingsEndWhereTwoTetsLieOnOneSideOfAFace) {
+  VertexMatrix V(5, 3);
+  V << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 2;
+  TetMatrix T(2, 4);
+  T << 0, 1, 2, 3, 0, 1, 2, 4;
+  const TetComplex complex(V, T);
+  for (Index t = 0; t < 2; ++t)
+    for (int k = 0; k < 4; ++k) EXPECT_EQ(complex.neighbour(t, k), -1);
+  std::vector<Index> tets, link;
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j)
+      if (i != j) {
+        complex.ring(0, T(0, i), T(0, j), tets, link);
+        EXPECT_EQ(tets, std::vector<Index>{0});
+      }
+}
+
 TEST(TetComplex, CompactKeepsOrderAndTheFirstVertices) {
   const TetMesh mesh = test::grid_tets(2, 0.1, 3);
   TetComplex c(mesh.V, mesh.T);
