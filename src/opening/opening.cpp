@@ -68,9 +68,10 @@ Status OpeningOptions::validate() const {
   if (!(edges > 0 && further > 0)) return Error{ErrorCode::usage, "edges and further must be positive."};
   if (!(growth > 1)) return Error{ErrorCode::usage, "growth must be above 1."};
   if (layers < 1 || idle_rounds < 1 || energy_sweeps < 0 || worst_sweeps < 0 || home_sweeps < 0 ||
-      most_helps < 0)
-    return Error{ErrorCode::usage,
-                 "layers and idle_rounds must be at least 1, and numbers of sweeps and helps not negative."};
+      most_helps < 0 || least_tries < 0)
+    return Error{
+        ErrorCode::usage,
+        "layers and idle_rounds must be at least 1, and numbers of sweeps, helps and tries not negative."};
   if (!(worthwhile >= 1 && gain >= 1))
     return Error{ErrorCode::usage, "worthwhile and gain must be at least 1."};
   return success();

@@ -52,8 +52,12 @@ struct OpeningOptions {
   int most_helps = 4;
   double usable_degrees = 5;  // that is where the least angle stays below this
   double most_tets = 1.5;     // times those that there were: no more are made by new vertices
-  double power = 6;           // of one over the sines; larger ones see the worst only, but lock earlier
-  double first_cut = 0.6;     // of the largest move: what is left when moves are first cut back
+  // Dear changes of tets that are tried in growing balls: half as many as there are tets, and so many at
+  // least. Tets that nothing can improve must not cost more. A count and not a time: the same result
+  // everywhere.
+  int least_tries = 2000;
+  double power = 6;        // of one over the sines; larger ones see the worst only, but lock earlier
+  double first_cut = 0.6;  // of the largest move: what is left when moves are first cut back
   // In the end vertices go home, or nearer to it, where no tet becomes worse than the target: so many times
   // each at most, and ever shorter ways. 0: none does.
   int home_sweeps = 30;

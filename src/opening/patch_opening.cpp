@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <set>
@@ -36,6 +37,7 @@ class PlaceOpening {
   PlaceOpening(MeshPart& part, const std::vector<HomeOfMoved>& moved, const OpeningOptions& options,
                const RunContext& context)
       : part_(part), moved_(moved), options_(options), context_(context), mesh_(part.complex) {
+    most_tries_ = std::max<std::int64_t>(options.least_tries, mesh_.tet_count() / 2);
     most_tets_ = static_cast<Index>(options.most_tets * static_cast<double>(mesh_.tet_count()));
     target_ = std::sin(options.target_degrees * std::numbers::pi / 180);
     usable_ = std::sin(options.usable_degrees * std::numbers::pi / 180);
@@ -118,6 +120,7 @@ class PlaceOpening {
 
   // Rounds in growing balls, of radius `most` in the end; ends with the best mesh of them.
   Room open(double most, OpenedPlace& out) {
+    tries_ = 0;
     LocalOperations work = operations();
     better_tets(work);
     Room best = room(work);
@@ -501,7 +504,8 @@ class PlaceOpening {
       if (work.remove_edge(t, c[i], c[j])) return true;
     for (int k = 0; k < 4; ++k)
       if (work.flip_23(t, k)) return true;
-    if (means == Means::flips) return false;
+    if (means == Means::flips || tries_ >= most_tries_) return false;
+    ++tries_;
     for (const auto& [i, j] : kTetEdge)
       if (work.collapse(c[i], c[j]) || work.collapse(c[j], c[i])) return true;
     if (work.reconnect(t)) return true;
@@ -518,6 +522,7 @@ class PlaceOpening {
   TetComplex& mesh_;
   double target_ = 0, usable_ = 0, wanted_ = 0;  // sines; wanted: below it tets are worked on
   Index most_tets_ = 0;
+  std::int64_t most_tries_ = 0, tries_ = 0;  // of changes that are dear
   std::vector<Index> star_;
 };
 
