@@ -136,10 +136,10 @@ using Certificate =
                  UnpairedCertificate, CrowdedCertificate, LinkCertificate, SharedCertificate,
                  SeparatedCertificate, GluingCertificate, CustomCertificate>;
 
-// Whether it forbids branch lines and subdivided faces, too: w < 0 and B0 < 0 do whatever happens inside. The
-// others rest on the one turn around every interior edge, or on where the surface has edges; a mesh with
-// branch lines, or of the surface subdivided, is not ruled out by them, nor promised. Custom ones: unknown,
-// so true.
+// Whether it forbids branch lines and subdivided faces, too: a face without area, w < 0 and B0 < 0 do,
+// whatever happens inside. The others rest on the one turn around every interior edge, or on where the
+// surface has edges; a mesh with branch lines, or of the surface subdivided, is not ruled out by them, nor
+// promised. Custom ones: unknown, so true.
 bool forbids_branch_lines(const Certificate& certificate);
 
 // "winding", "vertex", ...: what a report calls it. Valid as long as the certificate. These three functions

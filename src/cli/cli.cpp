@@ -148,8 +148,8 @@ CLI::App* add_inspect(CLI::App& app, InspectCommand& inspect) {
   command
       ->add_option(
           "--fail-on", inspect.fail_on,
-          "Exit with 5 if the surface is infeasible, with 3 if it is unclean (no closed surface of faces "
-          "with area that are oriented alike); without this, 3 only if it cannot be looked at")
+          "Exit with 5 if the surface is infeasible, with 3 if it is unclean (has defects, mended or "
+          "not, or faces without area); without this, 3 only if it cannot be looked at")
       ->delimiter(',')
       ->check(CLI::IsMember({"infeasible", "unclean"}));
   command->footer(

@@ -285,8 +285,9 @@ std::string verdict_text(const SurfaceDiagnosis& d) {
   return d.message;
 }
 
-bool unclean(const SurfaceDiagnosis& d) {
-  return !d.closed || !d.manifold || !d.oriented || !d.degenerate_faces.empty() || !d.problems.empty();
+bool unclean(const Cleanup& cleanup, const SurfaceDiagnosis& d) {
+  return !cleanup.defects.empty() || !d.closed || !d.manifold || !d.oriented || !d.degenerate_faces.empty() ||
+         !d.problems.empty();
 }
 
 void print(const Findings& f) {
@@ -378,8 +379,9 @@ int run(const InspectCommand& command, const CommonOptions& common, Terminal& te
   const auto fails_on = [&](const char* what) {
     return std::find(command.fail_on.begin(), command.fail_on.end(), what) != command.fail_on.end();
   };
-  if (diagnosis.verdict == Verdict::bad_input || (fails_on("unclean") && unclean(diagnosis))) {
-    if (command.json) return fail(terminal, {ErrorCode::bad_input, diagnosis.message});
+  if (diagnosis.verdict == Verdict::bad_input || (fails_on("unclean") && unclean(input.cleanup, diagnosis))) {
+    if (command.json && diagnosis.verdict == Verdict::bad_input)
+      return fail(terminal, {ErrorCode::bad_input, diagnosis.message});
     return static_cast<int>(ErrorCode::bad_input);
   }
   if (diagnosis.verdict == Verdict::infeasible && fails_on("infeasible"))

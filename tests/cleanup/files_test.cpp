@@ -125,6 +125,13 @@ TEST_F(RawFiles, AFaceWithoutAreaIsNamedAsInTheFile) {
   EXPECT_NE(r.err.find("face 6 (line 12)"), std::string::npos) << r.err;
 }
 
+TEST_F(RawFiles, WhatIsMendedIsUncleanAllTheSame) {
+  EXPECT_EQ(run("inspect " + at("unreferenced.obj")).exit_code, 0);
+  EXPECT_EQ(run("inspect --fail-on infeasible " + at("unreferenced.obj")).exit_code, 0);
+  EXPECT_EQ(run("inspect --fail-on unclean " + at("unreferenced.obj")).exit_code, 3);
+  EXPECT_EQ(run("inspect --json --fail-on unclean " + at("unreferenced.obj")).exit_code, 3);
+}
+
 TEST_F(RawFiles, DefectsAreSavedToLookAt) {
   const std::string obj = folder_.file("d.obj"), vtp = folder_.file("d.vtp");
   EXPECT_EQ(run("inspect " + at("one_face_missing.off") + " --save-defects " + obj).exit_code, 3);
