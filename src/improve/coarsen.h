@@ -7,11 +7,16 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "overtet/run_context.h"
 #include "src/mesh/local_operations.h"
 
 namespace overtet {
+
+// Contracts the shortest edge from v that can be: new tets are better than the worst that they replace, or
+// than `enough` (a smallest dihedral sine). tets: of v. False: none can be. pre: v is free.
+bool contract_shortest(LocalOperations& work, Index v, const std::vector<Index>& tets, double enough);
 
 // Contracts edges from free vertices until hardly one is left that can go. New tets are better than the worst
 // that they replace, or than `enough` (a smallest dihedral sine). Every vertex is tried again when something

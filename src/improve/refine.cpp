@@ -6,6 +6,8 @@
 
 #include "kernels/core/tuning.h"
 #include "src/improve/bad_tets.h"
+#include "src/improve/coarsen.h"
+#include "src/improve/insert_at.h"
 #include "src/improve/tuning.h"
 
 namespace overtet {
@@ -23,21 +25,10 @@ std::int64_t refine(LocalOperations& work, double radius_edge, std::span<const c
       const double ratio = work.squared_radius_edge(t);
       return ratio > radius_edge * radius_edge ? std::optional(-ratio) : std::nullopt;
     });
-    std::int64_t inserted = 0;
-    for (const BadTet& b : bad) {
-      if (context.stop()) return all + inserted;
-      if (!b.still_in(mesh)) continue;
-      if (mesh.tet_count() >= most_tets) return all + inserted;
-      if (!work.insert_circumcentre(b.tet)) {
-        hopeless[b.tet] = 1;
-        continue;
-      }
-      ++inserted;
-      hopeless.resize(mesh.tet_capacity(), 0);
-      for (const Index t : work.changed()) hopeless[t] = 0;
-    }
-    all += inserted;
-    if (inserted * kTetsPerVertex <= mesh.tet_count()) break;
+    const Insertions done = insert_at(work, bad, hopeless, most_tets, context,
+                                      [&](Index t) { return work.insert_circumcentre(t); });
+    all += done.count;
+    if (done.stopped || done.count * kTetsPerVertex <= mesh.tet_count()) break;
   }
   return all;
 }
@@ -47,23 +38,12 @@ std::int64_t contract_loose(LocalOperations& work, std::span<const char> loose, 
   const TetComplex& mesh = work.mesh();
   std::int64_t contracted = 0;
   std::vector<Index> tets;
-  std::vector<std::pair<double, Index>> ends;
   for (Index v = 0; v < static_cast<Index>(loose.size()); ++v) {
     if (!loose[v] || work.fixed(v)) continue;
     if (context.stop()) return contracted;
     mesh.star(v, tets);
     if (std::none_of(tets.begin(), tets.end(), [&](Index t) { return work.quality(t) < bad; })) continue;
-    ends.clear();
-    for (const Index t : tets)
-      for (const Index w : mesh.tet(t))
-        if (w != v) ends.emplace_back((mesh.position(w) - mesh.position(v)).squaredNorm(), w);
-    std::sort(ends.begin(), ends.end());
-    ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
-    for (const auto& [length, w] : ends)
-      if (work.collapse(v, w, bad)) {
-        ++contracted;
-        break;
-      }
+    if (contract_shortest(work, v, tets, bad)) ++contracted;
   }
   return contracted;
 }

@@ -13,6 +13,7 @@
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
 #include "src/improve/bad_tets.h"
+#include "src/improve/insert_at.h"
 #include "src/improve/tuning.h"
 
 namespace overtet {
@@ -190,20 +191,10 @@ std::int64_t make_small(LocalOperations& work, LocalOperations::Splits splits, s
       const double factor = work.excess(t).factor;
       return factor > 1 ? std::optional(-factor) : std::nullopt;
     });
-    std::int64_t inserted = 0;
-    for (const BadTet& b : large) {
-      if (context.stop() || mesh.tet_count() >= most_tets) return all + inserted;
-      if (!b.still_in(mesh)) continue;
-      if (!work.make_smaller(b.tet, splits)) {
-        hopeless[b.tet] = 1;
-        continue;
-      }
-      ++inserted;
-      hopeless.resize(mesh.tet_capacity(), 0);
-      for (const Index t : work.changed()) hopeless[t] = 0;
-    }
-    all += inserted;
-    if (inserted == 0) break;
+    const Insertions done = insert_at(work, large, hopeless, most_tets, context,
+                                      [&](Index t) { return work.make_smaller(t, splits); });
+    all += done.count;
+    if (done.stopped || done.count == 0) break;
   }
   return all;
 }

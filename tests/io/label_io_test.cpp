@@ -393,7 +393,7 @@ TEST(Labels, OfGltfAreItsNodesAndMaterials) {
 }
 
 struct Trip {
-  const char *library, *from, *to;
+  const char *reader, *from, *to;
 };
 
 // What another program has read and written again has the same triangles, labels and regions.
@@ -409,8 +409,8 @@ TEST(Labels, SurviveOtherPrograms) {
         Trip{"gmsh", "c.msh", "g2_22.msh"}, Trip{"gmsh", "a.mesh", "g3.msh"},
         Trip{"gmsh", "c.msh", "g4.mesh"}, Trip{"vtk", "d.vtu", "v1.vtu"}, Trip{"vtk", "d.vtu", "v2_raw.vtu"},
         Trip{"vtk", "g.vtk", "v3.vtk"}, Trip{"vtk", "g.vtk", "v4_binary.vtk"}}) {
-    SCOPED_TRACE(std::string(t.library) + " from " + t.from + " to " + t.to);
-    const auto r = test::shell("/usr/bin/python3 -B " OVERTET_ROUND_TRIP " " + std::string(t.library) + " " +
+    SCOPED_TRACE(std::string(t.reader) + " from " + t.from + " to " + t.to);
+    const auto r = test::shell("/usr/bin/python3 -B " OVERTET_ROUND_TRIP " " + std::string(t.reader) + " " +
                                folder.file(t.from) + " " + folder.file(t.to));
     if (r.exit_code == 77) {
       std::fprintf(stderr, "SKIPPED, no round trip: %s", r.err.c_str());

@@ -33,41 +33,31 @@ class Scripts(unittest.TestCase):
     def tearDownClass(cls):
         cls.folder.cleanup()
 
+    def made_and_meshed(self, generator, *options, and_then=()):
+        """The report of the mesh of a model that a generator of perf/suite makes; the model and the mesh."""
+        model, mesh, report = (os.path.join(self.folder.name, name) for name in ("made.off", "made.mesh", "made.json"))
+        made = script(os.path.join(SOURCE, "perf/suite", generator), model, *options)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        run = subprocess.run([PROGRAM, "mesh", model, "-o", mesh, "--report", report, *and_then],
+                             capture_output=True, text=True, timeout=300, check=False)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        with open(report, encoding="utf-8") as file:
+            return json.load(file), model, mesh
+
     def test_tangles_with_high_windings_are_meshed(self):
         for tori, turns, least in ((3, 2, 5), (1, 7, 7)):
-            model, mesh = os.path.join(self.folder.name, "tangle.off"), os.path.join(self.folder.name, "tangle.mesh")
-            made = script(os.path.join(SOURCE, "perf/suite/make_tangle"), model, str(tori), str(turns), "2000")
-            self.assertEqual(made.returncode, 0, made.stderr)
-            report = mesh + ".json"
-            run = subprocess.run([PROGRAM, "mesh", model, "-o", mesh, "--report", report, "--improve", "0"],
-                                 capture_output=True, text=True, timeout=100, check=False)
-            self.assertEqual(run.returncode, 0, run.stderr)
-            with open(report, encoding="utf-8") as file:
-                data = json.load(file)["input"]
+            data = self.made_and_meshed("make_tangle", str(tori), str(turns), "2000", and_then=("--improve", "0"))[0]["input"]
             self.assertEqual(data["hinges"], 0)
             self.assertGreaterEqual(data["winding_max"], least)
 
     def test_prints_with_needles_are_meshed(self):
         for options in (("plate", "fan", "400"), ("plate", "strip", "400"), ("plate", "ears", "100"), ("ring", "strip", "600"),
                         ("gear", "ears", "500"), ("gear-ring", "ears", "450", "1")):
-            model, mesh = os.path.join(self.folder.name, "print.off"), os.path.join(self.folder.name, "print.mesh")
-            made = script(os.path.join(SOURCE, "perf/suite/make_print"), model, *options)
-            self.assertEqual(made.returncode, 0, made.stderr)
-            run = subprocess.run([PROGRAM, "mesh", model, "-o", mesh, "--improve", "0"],
-                                 capture_output=True, text=True, timeout=100, check=False)
-            self.assertEqual(run.returncode, 0, run.stderr)
+            self.made_and_meshed("make_print", *options, and_then=("--improve", "0"))
 
     def test_surfaces_with_many_hinges_are_repaired(self):
         for kind, faces, least in (("csg", 600, 20), ("scan", 1500, 2)):
-            model, mesh = os.path.join(self.folder.name, kind + ".off"), os.path.join(self.folder.name, "hinges.mesh")
-            made = script(os.path.join(SOURCE, "perf/suite/make_hinges"), model, kind, str(faces))
-            self.assertEqual(made.returncode, 0, made.stderr)
-            report = mesh + ".json"
-            run = subprocess.run([PROGRAM, "mesh", model, "-o", mesh, "--report", report, "--on-infeasible", "repair"],
-                                 capture_output=True, text=True, timeout=300, check=False)
-            self.assertEqual(run.returncode, 0, run.stderr)
-            with open(report, encoding="utf-8") as file:
-                data = json.load(file)
+            data, model, mesh = self.made_and_meshed("make_hinges", kind, str(faces), and_then=("--on-infeasible", "repair"))
             self.assertGreaterEqual(data["input"]["hinges"], least)
             self.assertEqual(data["status"], "repaired")
             angles = data["moved"]["angles"]
