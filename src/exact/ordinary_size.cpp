@@ -9,38 +9,35 @@
 
 namespace overtet {
 
-namespace {
-
 VertexMatrix times_power(const VertexMatrix& V, int exponent) {
   return V.unaryExpr([&](double x) { return std::ldexp(x, exponent); });
 }
 
-}  // namespace
-
-OrdinarySize::OrdinarySize(const Surface& surface) : surface_(surface) {
-  const double largest = surface.V.size() > 0 ? surface.V.cwiseAbs().maxCoeff() : 0;
-  if (!(largest > 0) || !std::isfinite(largest)) return;
+int to_ordinary_size(const VertexMatrix& V) {
+  const double largest = V.size() > 0 ? V.cwiseAbs().maxCoeff() : 0;
+  if (!(largest > 0) || !std::isfinite(largest)) return 0;
   int reach = 0;
   std::frexp(largest, &reach);
-  if (std::abs(reach) <= kOrdinary) return;
-  VertexMatrix V = times_power(surface.V, -reach);
-  if (times_power(V, reach) != surface.V) return;
-  exponent_ = -reach;
-  copy_ = std::make_unique<Surface>(Surface{std::move(V), surface.F});
+  if (std::abs(reach) <= kOrdinary || times_power(times_power(V, -reach), reach) != V) return 0;
+  return -reach;
+}
+
+double from_ordinary_size(double x, int exponent, int dimensions) {
+  if (exponent == 0 || x == 0 || !std::isfinite(x)) return x;
+  using Limits = std::numeric_limits<double>;
+  const double y = std::ldexp(x, -dimensions * exponent);
+  return y == 0          ? std::copysign(Limits::denorm_min(), x)
+         : std::isinf(y) ? std::copysign(Limits::max(), x)
+                         : y;
+}
+
+OrdinarySize::OrdinarySize(const Surface& surface) : surface_(surface), exponent_(to_ordinary_size(surface.V)) {
+  if (exponent_ != 0) copy_ = std::make_unique<Surface>(Surface{times_power(surface.V, exponent_), surface.F});
 }
 
 OrdinarySize::OrdinarySize(const Surface& surface, const TriangleBvh& bvh) : OrdinarySize(surface) {
   bvh_ = &bvh;
   if (scaled()) copy_bvh_.build(copy_->V, copy_->F);
-}
-
-double OrdinarySize::back(double x, int dimensions) const {
-  if (exponent_ == 0 || x == 0 || !std::isfinite(x)) return x;
-  using Limits = std::numeric_limits<double>;
-  const double y = std::ldexp(x, -dimensions * exponent_);
-  return y == 0          ? std::copysign(Limits::denorm_min(), x)
-         : std::isinf(y) ? std::copysign(Limits::max(), x)
-                         : y;
 }
 
 std::array<double, 3> OrdinarySize::back(const std::array<double, 3>& point) const {

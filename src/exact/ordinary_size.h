@@ -12,6 +12,15 @@
 
 namespace overtet {
 
+// The exponent e of the power of two that brings points of extreme size to 1 (largest coordinate below 2^-64 or
+// from 2^64 on), if that is exact. 0: they are of ordinary size, or cannot be scaled without losing bits.
+int to_ordinary_size(const VertexMatrix& V);
+VertexMatrix times_power(const VertexMatrix& V, int exponent);  // V 2^exponent
+
+// x / 2^(dimensions * exponent): a number with as many dimensions (1 a length, 3 a volume) of what was multiplied
+// by 2^exponent; never 0 or infinite where x is not.
+double from_ordinary_size(double x, int exponent, int dimensions);
+
 // The surface itself where its largest coordinate is between 2^-64 and 2^64; else a copy, multiplied by the
 // power of two that brings it to 1. Only where that is exact, so whatever is decided about the copy is true
 // of the surface. Refers to the surface and to the tree.
@@ -25,9 +34,8 @@ class OrdinarySize {
   const Surface& surface() const { return scaled() ? *copy_ : surface_; }
   const TriangleBvh& bvh() const { return scaled() ? copy_bvh_ : *bvh_; }  // pre: made with one
 
-  // From the copy to the surface: a number with as many dimensions (1 a length, 3 a volume), never 0 or
-  // infinite where x is not; a point; and a point in fractions, exactly.
-  double back(double x, int dimensions = 1) const;
+  // From the copy to the surface: a number (from_ordinary_size); a point; and a point in fractions, exactly.
+  double back(double x, int dimensions = 1) const { return from_ordinary_size(x, exponent_, dimensions); }
   std::array<double, 3> back(const std::array<double, 3>& point) const;
   std::array<std::string, 3> back(const std::array<std::string, 3>& point) const;
 

@@ -7,9 +7,8 @@ namespace overtet {
 
 // --- The unit box (unit_box.cpp) ---
 
-// Exponents of two. Volumes are products of three differences, which may be 2^-53 of the size: 2^(-3 * 240)
-// and 2^(-3 * 53) more still are normal numbers. Extents that differ by more than 2^12 are scaled separately.
-constexpr int kMaxExponent = 240, kUniformUpTo = 12;
+// An exponent of two: extents that differ by more than 2^12 are scaled separately.
+constexpr int kUniformUpTo = 12;
 
 // Of a face, its height over the size of its coordinates: so flat it is by the rounding of its corners alone.
 constexpr double kRoundedHeight = 4 * 0x1p-53;

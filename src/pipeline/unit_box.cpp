@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <string>
 
 #include "src/pipeline/tuning.h"
@@ -15,12 +14,6 @@ void scale(VertexMatrix& V, const UnitBox& box, int sign) {
   for (Eigen::Index v = 0; v < V.rows(); ++v)
     for (int k = 0; k < 3; ++k)
       V(v, k) = std::ldexp(V(v, k), sign * box.exponent[static_cast<std::size_t>(k)]);
-}
-
-std::string short_number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", x);
-  return text;
 }
 
 // e with 2^(e - 1) <= x < 2^e.
@@ -45,10 +38,6 @@ Result<UnitBox> into_unit_box(VertexMatrix& V) {
     // Halved before the subtraction, which could overflow.
     extent[i] = exponent_of(high / 2 - low / 2) + 1;
     reach[i] = exponent_of(largest);
-    if (std::abs(reach[i]) > kMaxExponent)
-      return Error{ErrorCode::bad_input, "The largest coordinate is " + short_number(largest) +
-                                             ", and a double cannot hold the volumes of tets of that size" +
-                                             " (the limits are about 1e-72 and 1e72): scale the model."};
   }
   const int widest = *std::max_element(extent.begin(), extent.end());
   const int all = *std::max_element(reach.begin(), reach.end());

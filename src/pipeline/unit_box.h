@@ -18,9 +18,8 @@ struct UnitBox {
   bool uniform() const { return exponent[0] == exponent[1] && exponent[1] == exponent[2]; }
 };
 
-// Scales V so that the largest coordinate is in [1/2, 1). Errors: bad_input for models so large or so
-// small that volumes would overflow or underflow; unsolved for coordinates whose bits would be lost by the
-// scaling, and for surfaces that lie in an axis-parallel plane.
+// Scales V so that the largest coordinate is in [1/2, 1). Errors: unsolved for coordinates whose bits
+// would be lost by the scaling, and for surfaces that lie in an axis-parallel plane.
 Result<UnitBox> into_unit_box(VertexMatrix& V);
 void out_of_unit_box(VertexMatrix& V, const UnitBox& box);
 void back_into_unit_box(VertexMatrix& V, const UnitBox& box);  // undoes out_of_unit_box

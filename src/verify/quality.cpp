@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "kernels/core/assertions.h"
@@ -11,6 +12,7 @@
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
 #include "overtet/verification.h"
+#include "src/exact/ordinary_size.h"
 #include "src/verify/tuning.h"
 
 namespace overtet {
@@ -56,6 +58,11 @@ TetQuality tet_quality(const TetMesh& mesh, const RunContext& context) {
   TetQuality q;
   q.tets = mesh.T.rows();
   if (q.tets == 0) return q;
+  // What is computed here must not leave the range of doubles.
+  const int exponent = to_ordinary_size(mesh.V);
+  std::optional<VertexMatrix> scaled;
+  if (exponent != 0) scaled = times_power(mesh.V, exponent);
+  const VertexMatrix& V = scaled ? *scaled : mesh.V;
   // Cosines of the angles: they sort like the angles (backwards) and cost no trigonometry.
   std::vector<float> cosines(6 * static_cast<std::size_t>(q.tets));
   struct Extremes {
@@ -65,7 +72,7 @@ TetQuality tet_quality(const TetMesh& mesh, const RunContext& context) {
     Extremes x;
     for (std::int64_t t = begin; t < end; ++t) {
       Eigen::Vector3d p[4], n[4];
-      for (int k = 0; k < 4; ++k) p[k] = mesh.V.row(mesh.T(t, k));
+      for (int k = 0; k < 4; ++k) p[k] = V.row(mesh.T(t, k));
       n[0] = (p[3] - p[1]).cross(p[2] - p[1]);
       n[1] = (p[2] - p[0]).cross(p[3] - p[0]);
       n[2] = (p[3] - p[0]).cross(p[1] - p[0]);
@@ -92,9 +99,9 @@ TetQuality tet_quality(const TetMesh& mesh, const RunContext& context) {
   q.dihedral_p01 = degrees(nth_smallest(cosines, cosines.size() - 1 - cosines.size() / 100));
   q.dihedral_min = degrees(all.high);
   q.dihedral_max = degrees(all.low);
-  q.volume = all.volume;
-  const NearPoints::Closest closest = NearPoints(mesh.V).closest();
-  const double diagonal = (mesh.V.colwise().maxCoeff() - mesh.V.colwise().minCoeff()).stableNorm();
+  q.volume = from_ordinary_size(all.volume, exponent, 3);
+  const NearPoints::Closest closest = NearPoints(V).closest();
+  const double diagonal = (V.colwise().maxCoeff() - V.colwise().minCoeff()).norm();
   q.coincident_vertices = closest.coincident;
   q.closest_pair = closest.distance / diagonal;
   q.closest = {closest.a, closest.b};

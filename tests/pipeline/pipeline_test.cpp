@@ -419,12 +419,17 @@ TEST(Pipeline, SameBytesOnAnyNumberOfThreads) {
 TEST(Pipeline, ScalingByAPowerOfTwoScalesTheMesh) {
   const Surface s = test::curled_worm(400, 10);
   const PipelineResult a = run(s);
-  Surface big = s;
-  big.V *= 0x1p30;
-  const PipelineResult b = run(big);
-  ASSERT_TRUE(a.ok() && b.ok());
-  EXPECT_EQ(a.mesh.T, b.mesh.T);
-  EXPECT_EQ(VertexMatrix(a.mesh.V * 0x1p30), b.mesh.V);
+  ASSERT_TRUE(a.ok());
+  for (const double factor : {0x1p-900, 0x1p30, 0x1p900}) {
+    SCOPED_TRACE(std::ilogb(factor));
+    Surface other = s;
+    other.V *= factor;
+    const PipelineResult b = run(other);
+    ASSERT_TRUE(b.ok());
+    EXPECT_EQ(a.mesh.T, b.mesh.T);
+    EXPECT_EQ(VertexMatrix(a.mesh.V * factor), b.mesh.V);
+    EXPECT_EQ(diagnose(other, {}, {}).value().verdict, diagnose(s, {}, {}).value().verdict);
+  }
 }
 
 TEST(Pipeline, NeitherNumberingNorPlaceMatters) {

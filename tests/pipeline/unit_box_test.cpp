@@ -10,7 +10,7 @@ namespace overtet {
 namespace {
 
 TEST(UnitBox, ThereAndBackIsExact) {
-  for (const int e : {-200, -3, 0, 1, 17, 200}) {
+  for (const int e : {-1000, -200, -3, 0, 1, 17, 200, 1000}) {
     VertexMatrix V = test::transformed(test::sphere(2), test::some_rotation(1), Eigen::Vector3d(1, 2, 3)).V *
                      std::ldexp(1, e);
     const VertexMatrix before = V;
@@ -41,13 +41,11 @@ TEST(UnitBox, ThinModelsAreScaledByAxis) {
 }
 
 TEST(UnitBox, RefusesWhatCannotBeScaled) {
-  const auto refused = [](VertexMatrix V, ErrorCode code = ErrorCode::unsolved) {
+  const auto refused = [](VertexMatrix V) {
     const Result<UnitBox> box = into_unit_box(V);
-    return !box.ok() && box.error().code == code;
+    return !box.ok() && box.error().code == ErrorCode::unsolved;
   };
   const VertexMatrix V = test::sphere(1).V;
-  EXPECT_TRUE(refused(V * 1e-300, ErrorCode::bad_input));
-  EXPECT_TRUE(refused(V * 1e200, ErrorCode::bad_input));
   EXPECT_TRUE(refused(V * 0));
   VertexMatrix flat = V;
   flat.col(1).setConstant(7);

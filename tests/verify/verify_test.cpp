@@ -319,6 +319,25 @@ TEST(Verify, AllowsBranchLinesOnlyOnRequest) {
   EXPECT_TRUE(verify(moved.surface, moved.mesh, options).fails(Rule::R2));
 }
 
+// Cross products of such coordinates leave the range of doubles.
+TEST(Quality, IsThatOfAnOrdinarySizeAtAnySize) {
+  const Example e = grid(3);
+  const TetQuality one = tet_quality(e.mesh, {});
+  for (const int exponent : {-1000, -600, -300, 300, 600, 1000}) {
+    SCOPED_TRACE(exponent);
+    TetMesh m = e.mesh;
+    m.V = m.V.unaryExpr([&](double x) { return std::ldexp(x, exponent); });
+    const TetQuality q = tet_quality(m, {});
+    EXPECT_EQ(q.dihedral_min, one.dihedral_min);
+    EXPECT_EQ(q.dihedral_p01, one.dihedral_p01);
+    EXPECT_EQ(q.dihedral_max, one.dihedral_max);
+    EXPECT_EQ(q.closest_pair, one.closest_pair);
+    EXPECT_GT(q.volume, 0);
+    EXPECT_TRUE(std::isfinite(q.volume));
+    if (std::abs(exponent) == 300) EXPECT_EQ(q.volume, std::ldexp(one.volume, 3 * exponent));
+  }
+}
+
 TEST(Quality, CountsVerticesInOnePlaceAndFindsTheClosestTwo) {
   Example e = grid(2);
   const double diagonal = std::sqrt(3.0) * (e.mesh.V.maxCoeff() - e.mesh.V.minCoeff());
