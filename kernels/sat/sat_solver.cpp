@@ -10,7 +10,13 @@ struct SatSolver::Engine {
   mutable CaDiCaL::Solver solver;
 };
 
-SatSolver::SatSolver() : engine_(std::make_unique<Engine>()) { engine_->solver.set("quiet", 1); }
+// Formulas here are large and easy, and mostly satisfiable. To simplify them between searches takes longer
+// than to solve them.
+SatSolver::SatSolver() : engine_(std::make_unique<Engine>()) {
+  engine_->solver.set("quiet", 1);
+  engine_->solver.set("inprocessing", 0);
+  engine_->solver.set("stabilizeonly", 1);
+}
 SatSolver::~SatSolver() = default;
 
 void SatSolver::add(std::span<const Literal> clause) {

@@ -46,12 +46,15 @@ class Clearer {
   BoundaryPointsResult run() {
     result_.smallest_clearance = queue_.empty() ? 0 : std::numeric_limits<double>::infinity();
     for (const double least : kClearances) try_all(least);
-    for (int round = 0; round < kSweeps && !queue_.empty() && !context_.stop(); ++round) {
-      reconnect();
+    int in_vain = 0;
+    for (int round = 0; round < kMostRounds && in_vain < kInVain && !queue_.empty() && !context_.stop();
+         ++round) {
+      const std::size_t before = queue_.size();
+      free_what_is_left();
+      thorough_ = round > 0;
       try_all(0);
+      in_vain = queue_.size() < before ? 0 : in_vain + 1;
     }
-    thorough_ = true;
-    for (int round = 0; round < kInVain && !queue_.empty() && !context_.stop(); ++round) try_all(0);
     thorough_ = false;
     result_.left = queue_;
     spread();
@@ -93,13 +96,14 @@ class Clearer {
   }
 
   // Points that have been cleared may lie in a pocket between two flat parts of their stars, in the plane of
-  // a face, which no move opens. Flat tets around what is left lose an edge.
-  void reconnect() {
+  // a face, which no move opens; and there they stand in the way of others. Flat tets around what is left make
+  // way for better ones.
+  void free_what_is_left() {
     LocalOperations work(complex_);
     std::vector<Index> star, around;
     for (const Index v : queue_) {
       std::set<TetComplex::Tet> tried;  // sorted
-      for (int count = 0; count < kMostFlat; ++count) {
+      for (int count = 0; count < kMostFlat && !context_.stop(); ++count) {
         std::set<Index> near;
         complex_.star(v, star);
         for (const Index t : star)
@@ -116,13 +120,24 @@ class Clearer {
         }
         if (flattest < 0) break;
         tried.insert(sorted_tet(flattest));
-        const TetComplex::Tet corners = complex_.tet(flattest);
-        bool done = false;
-        for (int i = 0; i < 4 && !done; ++i)
-          for (int j = 0; j < i && !done; ++j) done = work.remove_edge(flattest, corners[i], corners[j]);
-        for (int k = 0; k < 4 && !done; ++k) done = work.flip_23(flattest, k);
+        make_way(work, flattest);
       }
     }
+  }
+
+  // For better tets. What is cheap comes first; a point that has been cleared may go for good.
+  static bool make_way(LocalOperations& work, Index t) {
+    const TetComplex::Tet c = work.mesh().tet(t);
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < 4; ++j)
+        if (i != j && !work.fixed(c[i]) && work.collapse(c[i], c[j])) return true;
+    for (const auto& [i, j] : kTetEdge)
+      if (work.remove_edge(t, c[i], c[j])) return true;
+    for (int k = 0; k < 4; ++k)
+      if (work.flip_23(t, k)) return true;
+    for (const Index v : c)
+      if (!work.fixed(v) && work.smooth(v)) return true;
+    return work.reconnect(t) || work.insert_around(t);
   }
 
   TetComplex::Tet sorted_tet(Index t) const {

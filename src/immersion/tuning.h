@@ -56,10 +56,9 @@ constexpr double kReach = 0.5;
 // A point that could move only a hair would stand in its neighbours' way, so it waits while they move first:
 // each round asks for less clearance (relative to the size of the star), the last ones for any.
 constexpr double kClearances[] = {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12, 0, 0, 0};
-// What is left then is held fast by flat tets: their edges go, so many of them around a point.
+// What is left then is held fast by flat tets: better ones take their place, so many of them around a point.
 constexpr int kMostFlat = 200;
-// So often that is done; and so often, at the end, all points look for more room: thin tets cost the quality
-// pass far more.
+// So often, at the end, all points look for more room: thin tets cost the quality pass far more.
 constexpr int kSweeps = 3;
 // Beyond this angle (radians) between the two faces at an edge, a point on it makes way for several.
 constexpr double kWideWedge = 1.9 * 3.14159265358979323846;
