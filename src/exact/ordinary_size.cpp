@@ -31,8 +31,10 @@ double from_ordinary_size(double x, int exponent, int dimensions) {
                          : y;
 }
 
-OrdinarySize::OrdinarySize(const Surface& surface) : surface_(surface), exponent_(to_ordinary_size(surface.V)) {
-  if (exponent_ != 0) copy_ = std::make_unique<Surface>(Surface{times_power(surface.V, exponent_), surface.F});
+OrdinarySize::OrdinarySize(const Surface& surface)
+    : surface_(surface), exponent_(to_ordinary_size(surface.V)) {
+  if (exponent_ != 0)
+    copy_ = std::make_unique<Surface>(Surface{times_power(surface.V, exponent_), surface.F});
 }
 
 OrdinarySize::OrdinarySize(const Surface& surface, const TriangleBvh& bvh) : OrdinarySize(surface) {

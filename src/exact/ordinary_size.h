@@ -12,13 +12,13 @@
 
 namespace overtet {
 
-// The exponent e of the power of two that brings points of extreme size to 1 (largest coordinate below 2^-64 or
-// from 2^64 on), if that is exact. 0: they are of ordinary size, or cannot be scaled without losing bits.
+// The exponent e of the power of two that brings points of extreme size to 1 (largest coordinate below 2^-64
+// or from 2^64 on), if that is exact. 0: they are of ordinary size, or cannot be scaled without losing bits.
 int to_ordinary_size(const VertexMatrix& V);
 VertexMatrix times_power(const VertexMatrix& V, int exponent);  // V 2^exponent
 
-// x / 2^(dimensions * exponent): a number with as many dimensions (1 a length, 3 a volume) of what was multiplied
-// by 2^exponent; never 0 or infinite where x is not.
+// x / 2^(dimensions * exponent): a number with as many dimensions (1 a length, 3 a volume) of what was
+// multiplied by 2^exponent; never 0 or infinite where x is not.
 double from_ordinary_size(double x, int exponent, int dimensions);
 
 // The surface itself where its largest coordinate is between 2^-64 and 2^64; else a copy, multiplied by the

@@ -96,8 +96,8 @@ class Clearer {
   }
 
   // Points that have been cleared may lie in a pocket between two flat parts of their stars, in the plane of
-  // a face, which no move opens; and there they stand in the way of others. Flat tets around what is left make
-  // way for better ones.
+  // a face, which no move opens; and there they stand in the way of others. Flat tets around what is left
+  // make way for better ones.
   void free_what_is_left() {
     LocalOperations work(complex_);
     std::vector<Index> star, around;

@@ -149,6 +149,13 @@ class Formula {
     solver_.add(clause_);
   }
 
+  // Of what is not known to be false; the same is said once.
+  void exactly_one(Row row) {
+    std::erase(row, -true_);
+    std::sort(row.begin(), row.end());
+    if (exact_.insert(row).second) solver_.exactly_one(row);
+  }
+
   void add_regions(const SheetSearch& settled) {
     std::vector<Index> all(regions_.size());
     std::iota(all.begin(), all.end(), 0);
@@ -192,7 +199,7 @@ class Formula {
       solver_.exactly_one(v.ends.back());
     }
     for (const Table& side : {at_front, at_back})
-      for (const Row& copy : side) solver_.exactly_one(copy);
+      for (const Row& copy : side) exactly_one(copy);
     const auto through = static_cast<std::size_t>(std::min(r.front_winding, r.back_winding));
     if (in_order) {
       for (std::size_t c = 0; c < through; ++c) solver_.add({v.through[c][c]});
@@ -274,44 +281,84 @@ class Formula {
     std::vector<Names> all;
     if (const int closing = fewest(sectors); closing > 0) {
       const std::size_t base = shortest(sectors.copies);
+      const bool named = most_turns == 0 && !passed[base];
       Names known(sectors.copies.size());
       for (int c = 0; c < closing; ++c) {
         Row row(static_cast<std::size_t>(closing), -true_);
-        row[c] = most_turns == 0 && !passed[base] ? true_ : solver_.new_variable();
+        row[c] = named ? true_ : solver_.new_variable();
         known[base].push_back(std::move(row));
       }
+      if (named) name_neighbours(fan, sectors, static_cast<int>(base), known);
       all.push_back(add_names(sectors, ways_around(fan, sectors, -1), closing, known));
     }
     for (std::size_t i = 0; i < passes.size(); ++i) {
       const Fan::Pass& pass = fan.passes[passes[i]];
       Names known(sectors.copies.size());
-      if (turns[i].size() == 1) {
-        std::vector<char> here(sectors.copies.size(), 0);
-        for (const int s : sectors_passed(fan, sectors, pass)) here[s] = 1;
-        for (std::size_t s = 0; s < known.size(); ++s)
-          if (!here[s]) known[s].assign(static_cast<std::size_t>(sectors.copies[s]), {-true_});
-      }
+      if (turns[i].size() == 1) known_on_pass(fan, sectors, pass, known);
       all.push_back(
           add_names(sectors, ways_around(fan, sectors, pass.from), static_cast<int>(turns[i].size()), known));
       add_pass(fan, sectors, pass, turns[i], all.back());
     }
-    std::set<Row> done;
     for (std::size_t s = 0; s < sectors.copies.size(); ++s)
       for (int c = 0; c < sectors.copies[s]; ++c) {
         Row any;
         for (const Names& kind : all) any.insert(any.end(), kind[s][c].begin(), kind[s][c].end());
-        std::erase(any, -true_);
-        if (done.insert(any).second) solver_.exactly_one(any);
+        exactly_one(std::move(any));
       }
     return fits();
+  }
+
+  // A copy next to the sector that gives the names has that of the copy that it comes from: no variables are
+  // needed, and these are most fans.
+  void name_neighbours(const Fan& fan, const Sectors& sectors, int base, Names& known) const {
+    for (std::size_t leaf = 0; leaf < fan.leaves.size(); ++leaf)
+      for (int side = 0; side < 2; ++side) {
+        const int other = sectors.beside[leaf][1 - side];
+        if (sectors.beside[leaf][side] != base || other < 0 || !known[other].empty()) continue;
+        const Fan::Leaf& l = fan.leaves[leaf];
+        for (int a = 0; a < sectors.copies[other]; ++a) {
+          Row& row = known[other].emplace_back();
+          for (int c = 0; c < sectors.copies[base]; ++c)
+            row.push_back(side == 0 ? through(l.region, l.flipped, c, a)
+                                    : through(l.region, l.flipped, a, c));
+        }
+      }
+  }
+
+  // Whether a copy has the name of `from` because it comes from there, by definition.
+  bool gives_name(Literal when, const Row& from, const Row& to) const {
+    for (std::size_t name = 0; name < from.size(); ++name)
+      if (from[name] == true_) return to[name] == when;
+    return false;
+  }
+
+  // Names of a pass without extra turns: none where it does not pass, and where it begins and ends those
+  // copies that end there.
+  void known_on_pass(const Fan& fan, const Sectors& sectors, const Fan::Pass& pass, Names& known) const {
+    std::vector<char> passed(sectors.copies.size(), 0);
+    for (const int s : sectors_passed(fan, sectors, pass)) passed[s] = 1;
+    for (std::size_t s = 0; s < known.size(); ++s)
+      if (!passed[s]) known[s].assign(static_cast<std::size_t>(sectors.copies[s]), {-true_});
+    for (const auto& [leaf, sheet] :
+         {std::pair(pass.from, pass.from_sheet), std::pair(pass.to, pass.to_sheet)})
+      if (Table& rows = known[sectors.beside[leaf][inner_side(fan, leaf, sheet)]]; rows.empty())
+        for (const Literal ends : ends_at(fan, leaf, sheet)) rows.push_back({ends});
+  }
+
+  const Row& ends_at(const Fan& fan, int leaf, int sheet) const {
+    const Fan::Leaf& l = fan.leaves[leaf];
+    return region_[l.region].ends[l.slots[sheet]];
   }
 
   // Every copy has one name, so it is enough that names are kept in one direction.
   Names add_names(const Sectors& sectors, const std::vector<Way>& ways, int columns, const Names& known) {
     Names of = names(sectors.copies, ways, columns, known);
-    for (const Way& w : ways)
-      for (std::size_t name = 0; w.when != true_ && name < of[w.front][w.a].size(); ++name)
-        add({-w.when, -of[w.front][w.a][name], of[w.back][w.b][name]});
+    for (const Way& w : ways) {
+      const Row &front = of[w.front][w.a], &back = of[w.back][w.b];
+      if (w.when == true_ || gives_name(w.when, front, back) || gives_name(w.when, back, front)) continue;
+      for (std::size_t name = 0; name < front.size(); ++name)
+        if (front[name] != back[name]) add({-w.when, -front[name], back[name]});
+    }
     return of;
   }
 
@@ -338,12 +385,6 @@ class Formula {
     return flipped ? region_[region].through[back][front] : region_[region].through[front][back];
   }
 
-  void same(Literal when, Literal x, Literal y) {
-    if (x == y) return;
-    add({-when, -x, y});
-    add({-when, x, -y});
-  }
-
   void add_pass(const Fan& fan, const Sectors& sectors, const Fan::Pass& pass, const Row& turns,
                 const Names& of) {
     const int away =
@@ -359,9 +400,9 @@ class Formula {
     }
     const auto each_end = [&](int leaf, int sheet, auto&& f) {
       const int sector = sectors.beside[leaf][inner_side(fan, leaf, sheet)];
-      const Fan::Leaf& l = fan.leaves[leaf];
-      const Row& ends = region_[l.region].ends[l.slots[sheet]];
-      for (std::size_t c = 0; c < ends.size(); ++c) f(ends[c], of[sector][c]);
+      const Row& ends = ends_at(fan, leaf, sheet);
+      for (std::size_t c = 0; c < ends.size(); ++c)
+        if (of[sector][c][0] != ends[c]) f(ends[c], of[sector][c]);
     };
     each_end(pass.from, pass.from_sheet, [&](Literal here, const Row& name) { add({-here, name[0]}); });
     each_end(pass.to, pass.to_sheet, [&](Literal here, const Row& name) {
@@ -378,9 +419,11 @@ class Formula {
     if (layers > 0) {
       const std::vector<Way> ways = ways_across(link);
       const Names of = names(link.winding, ways, layers, {});
+      // One direction is enough: what is named does not end, and every sector has each name once.
       for (const Way& w : ways)
         for (int layer = 0; layer < layers; ++layer)
-          same(w.when, of[w.front][w.a][layer], of[w.back][w.b][layer]);
+          if (const Literal from = of[w.front][w.a][layer], to = of[w.back][w.b][layer]; from != to)
+            add({-w.when, -from, to});
       for (int c = 0; c < layers; ++c) closed.push_back(of[base][c][c]);
       for (std::size_t s = 0; s < of.size(); ++s) {
         for (const Row& copy : of[s]) solver_.at_most_one(copy);
@@ -623,6 +666,7 @@ class Formula {
   std::vector<RegionVariables> region_;
   std::vector<Row> turns_;   // per free edge: what holds where it has 0, 1, ... extra turns
   std::vector<Row> closed_;  // per link: its layers
+  std::set<Row> exact_;      // sorted: exactly one of them holds
   Literal true_ = 0;
   Row clause_;              // of add()
   std::int64_t looks_ = 0;  // of stopped()

@@ -211,10 +211,6 @@ TEST(Pipeline, SaysWhyThereIsNoMesh) {
   Surface needle = test::sphere();
   needle.V.row(needle.F(0, 0)) = (needle.V.row(needle.F(0, 1)) + needle.V.row(needle.F(0, 2))) / 2;
   EXPECT_EQ(run(needle).exit_code(), 4);  // its area is lost in rounding
-  EXPECT_EQ(
-      run(test::transformed(test::sphere(), 1e-200 * Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero()))
-          .exit_code(),
-      3);
   EXPECT_EQ(run(Surface{}).exit_code(), 3);
   Surface out_of_range = test::sphere();
   out_of_range.F(3, 1) = 100000;
@@ -336,16 +332,10 @@ TEST(Pipeline, SharpCrossingsCrashedAtLargeCoordinates) {
        {sharp, test::two_spheres(1), test::curled_worm(420, 8), test::elbow(150, 10), test::saucer(1)}) {
     const PipelineResult one = run(shape);
     for (const double factor :
-         {0x1p-300, 0x1p-230, 0x1p-100, 0x1p100, 0x1p170, 0x1p200, 0x1p230, 0x1p300, 1e-60, 1e60, 1e100}) {
+         {0x1p-900, 0x1p-300, 0x1p-100, 0x1p100, 0x1p170, 0x1p200, 0x1p300, 0x1p900, 1e-60, 1e60, 1e100}) {
       SCOPED_TRACE(std::log2(factor));
       const Surface s{shape.V * factor, shape.F};
       const PipelineResult r = run(s);
-      if (std::abs(std::log2(factor)) > 240) {
-        EXPECT_TRUE(r.exit_code() == 3 || r.exit_code() == 5) << r.exit_code();
-        if (r.exit_code() == 3)
-          EXPECT_NE(r.report.message.find("scale the model"), std::string::npos) << r.report.message;
-        continue;
-      }
       EXPECT_EQ(r.report.status, one.report.status) << r.report.message;
       EXPECT_EQ(r.report.certificate.has_value(), one.report.certificate.has_value());
       int power = 0;
