@@ -36,7 +36,8 @@ struct SurfaceAttributes {
   Labels faces;   // #F: OBJ g, o and usemtl; STL solids; PLY label; OFF colours; Gmsh groups; MEDIT refs
   Labels solids;  // #F: which solid a face belongs to, where the file says it (OBJ o, STL solid)
   std::vector<Attribute> vertex_data, face_data;
-  // The numbers that vertices and faces have in the file, where something was left out. Empty: the same.
+  // The numbers that vertices and faces have in the file, where something was left out, polygons were cut or
+  // corners merged. Empty: the same.
   std::vector<Index> input_vertex, input_face;
 };
 

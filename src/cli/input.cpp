@@ -59,7 +59,10 @@ Result<InputSurface> load(const std::string& path, const InputOptions& options, 
   if (!cleaned) return cleaned.error();
   input.cleanup = std::move(cleaned).value();
   input.source = source_of(input.cleanup, input.info.source);
-  input.attributes = carried(input.info.attributes, input.cleanup.vertex_of, input.cleanup.face_of);
+  SurfaceAttributes attributes = std::move(input.info.attributes);
+  if (attributes.input_face.empty()) attributes.input_face = input.info.source.face;
+  if (attributes.input_vertex.empty()) attributes.input_vertex = input.info.source.vertex;
+  input.attributes = carried(attributes, input.cleanup.vertex_of, input.cleanup.face_of);
   for (const std::string& note : input.info.notes) terminal.say(note);
   if (const std::string done = input.cleanup.summary(); !done.empty()) terminal.say(done);
   if (!options.save_defects.empty())

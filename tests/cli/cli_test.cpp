@@ -137,6 +137,16 @@ TEST_F(Cli, AMissingFolderIsNamed) {
   }
 }
 
+TEST_F(Cli, FacesOfAMeshHaveTheNumbersOfThePolygonsInTheFile) {
+  const std::string in = folder_.file("box.obj"), out = folder_.file("box.vtu");
+  std::ofstream(in) << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+                       "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+  ASSERT_EQ(run("mesh " + in + " -o " + out).exit_code, 0);
+  const Result<LabelledTetMesh> m = read_labelled_tets(out);
+  ASSERT_TRUE(m.ok());
+  EXPECT_EQ(m.value().attributes.input_face, (std::vector<Index>{0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5}));
+}
+
 TEST_F(Cli, StandardInputAndOutput) {
   const std::string in = save("a.off", test::sphere(2)), program = OVERTET_PROGRAM;
   ASSERT_EQ(run("mesh " + in + " -o " + folder_.file("o.msh")).exit_code, 0);
