@@ -21,15 +21,15 @@ def models(arguments):
     return found
 
 
-def run(program, model, arguments=(), threads=0, time_limit=600.0, grace=5.0):
+def run(program, model, arguments=(), threads=0, time_limit=600.0, grace=5.0, output=None):
     """One whole run: {model, exit_code, status, wall_seconds, cpu_seconds, peak_rss_bytes, bytes_written, report}.
 
     cpu_seconds and peak_rss_bytes cover the helpers that the program starts; without a report, peak_rss_bytes is that
     of the largest of the processes. A run that is over its time limit by half and the grace (seconds) is killed:
-    exit code None, status "killed".
+    exit code None, status "killed". output: where the mesh goes; else it is not kept.
     """
     with tempfile.TemporaryDirectory() as folder:
-        output = os.path.join(folder, "out.mesh")
+        output = output or os.path.join(folder, "out.mesh")
         report = os.path.join(folder, "report.json")
         command = [program, "mesh", model, "-o", output, "--report", report, "--quiet",
                    "--time-limit", str(time_limit), *arguments]
