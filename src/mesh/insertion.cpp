@@ -341,15 +341,35 @@ bool LocalOperations::make_smaller(Index t, Splits splits) {
     if (length > longest && !limit_->kept(a, b)) longest = length, edge = k;
   }
   if (edge < 0) return false;
-  const Index a = c[kTetEdge[edge][0]], b = c[kTetEdge[edge][1]];
-  const Vector3d middle = (mesh_.position(a) + mesh_.position(b)) / 2;
+  Index a = c[kTetEdge[edge][0]], b = c[kTetEdge[edge][1]];
+  Vector3d middle = (mesh_.position(a) + mesh_.position(b)) / 2;
   if (insert_delaunay(t, t, middle, room(kMiddleRoom))) return true;
   if (before.edge < 0 && splits == Splits::roomy) return false;
-  // Where the boundary is near: by itself.
+  // Where the boundary is near: by itself, but never before a longer one beside it. (Else edges that are too
+  // long become ever more, around vertices with thousands of tets. Source: Rivara 1984, longest-edge
+  // bisection.)
+  to_longest_edge(t, a, b);
   mesh_.ring(t, a, b, ring_, link_);
+  middle = (mesh_.position(a) + mesh_.position(b)) / 2;
   const auto roomy = [&](Index v) { return (mesh_.position(v) - middle).squaredNorm() > room(kSplitRoom); };
   return (splits == Splits::all || std::all_of(link_.begin(), link_.end(), roomy)) &&
          split_edge(a, b, middle);
+}
+
+void LocalOperations::to_longest_edge(Index& t, Index& a, Index& b) {
+  double longest = limit_->length(mesh_.position(a), mesh_.position(b));
+  for (bool longer = true; longer;) {
+    longer = false;
+    mesh_.ring(t, a, b, ring_, link_);
+    for (const Index u : ring_)
+      for (const auto& [i, j] : kTetEdge) {
+        const Index p = mesh_.tet(u)[i], q = mesh_.tet(u)[j];
+        const double length = limit_->length(mesh_.position(p), mesh_.position(q));
+        if (!(length > longest) || limit_->kept(p, q) || mesh_.edge_on_boundary(p, q)) continue;
+        longest = length, t = u, a = p, b = q;
+        longer = true;
+      }
+  }
 }
 
 bool LocalOperations::insert_delaunay(Index t, Index at, const Vector3d& x, double room) {

@@ -183,6 +183,8 @@ class LocalOperations {
   // A new vertex at x, in the tet `at`, instead of t and the tets around whose circumspheres contain it; see
   // insert_circumcentre(). Nothing may be nearer than the root of `room`.
   bool insert_delaunay(Index t, Index at, const Eigen::Vector3d& x, double room);
+  // From the edge a-b of t to the longest one around that may be split, from ring to ring.
+  void to_longest_edge(Index& t, Index& a, Index& b);
   Index walk(Index from, const Eigen::Vector3d& x) const;  // to the tet that contains x; -1: not found
   // Tets from the faces to a new vertex. pre: it sees their inner sides (commit() would find out).
   bool star_of_new_vertex(const std::vector<Face>& faces, const Eigen::Vector3d& p, const Tets& removed);

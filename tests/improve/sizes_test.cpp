@@ -88,6 +88,20 @@ TEST(Sizes, EdgesAndVolumesAreAsSmallAsAskedWhereTheBoundaryAllows) {
   }
 }
 
+// Edges were split beside longer ones: ever more became too long, around vertices with thousands of tets.
+TEST(Sizes, SplitsDidNotEndWhereTheBoundaryIsCoarser) {
+  TetMesh mesh = tets_inside(test::torus_surface(60, 24, 2, .7));
+  ImproveOptions options;
+  options.target_degrees = 5;
+  options.sizes.max_edge = 0.12;
+  ASSERT_TRUE(improve(mesh, options, {}).ok());
+  std::vector<int> tets(static_cast<std::size_t>(mesh.V.rows()), 0);
+  for (Index t = 0; t < mesh.T.rows(); ++t)
+    for (int k = 0; k < 4; ++k) ++tets[static_cast<std::size_t>(mesh.T(t, k))];
+  EXPECT_LT(*std::max_element(tets.begin(), tets.end()), 500);
+  EXPECT_LT(mesh.T.rows(), 250000);
+}
+
 TEST(Sizes, InTheUsersUnit) {
   const TetMesh start = tets_inside(test::torus_surface(60, 24, 2, .7));
   TetMesh one = start, half = start;
