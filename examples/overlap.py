@@ -97,8 +97,9 @@ class Example:
         if not right:
             self.wrong.append(what)
 
-    def equal(self, what, figure, wanted):
-        self.check(what, figure == wanted, figure, wanted)
+    def equal(self, what, figure, wanted, figure_is=lambda x: x):
+        """figure_is: what to print of it."""
+        self.check(what, figure == wanted, figure_is(figure), figure_is(wanted))
 
     def small(self, what, error, tolerance=TOLERANCE):
         self.check(what, error <= tolerance, f"{error:.2g}", f"at most {tolerance:g}")
@@ -119,14 +120,13 @@ class Example:
                    len(surface.points))
 
     def values_of_layers(self, points, tets, values):
-        """Where the ends of the worm are in one place, the mesh has two parts; a value in each, at PLACE, the smaller first.
+        """Without the worm's middle, the mesh is in two parts; a value in each, where both are: at PLACE, the smaller first.
 
         values: a number at each point.
         """
-        # All that is in the 60 degrees that are covered twice.
-        angle = numpy.degrees(numpy.arctan2(points[:, 0], -points[:, 1]))[tets]
-        there = tets[numpy.all((angle > 0) & (angle < DEGREES - 360), axis=1)]
-        self.equal("parts that hang together where head and tail overlap", count_parts(there), 2)
+        angle = numpy.degrees(numpy.arctan2(points[:, 0], -points[:, 1])) % 360
+        ends = tets[numpy.all((angle[tets] < 150) | (angle[tets] > 270), axis=1)]
+        self.equal("parts that hang together, of all but the middle", count_parts(ends), 2)
         hit, weights = tets_at(points, tets, PLACE)
         self.equal("tets at one place there", len(hit), 2)
         return sorted(float(w @ values[tets[t]]) for t, w in zip(hit, weights)) if len(hit) == 2 else [math.nan] * 2

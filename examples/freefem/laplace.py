@@ -36,9 +36,10 @@ def main():
     example.small("patch test: error of a linear solution", figures["patch_error"])
 
     numbers = numpy.loadtxt(solution)
-    points, temperature, corners = numbers[:vertices, :3], numbers[:vertices, 3], numbers[vertices:].astype(int)
+    at_vertices, corners = numpy.split(numbers, [figures["vertices"]])
+    points, temperature = at_vertices[:, :3], at_vertices[:, 3]
     example.all_vertices(points, vertices, surface)
-    example.two_temperatures(points, corners, temperature)
+    example.two_temperatures(points, corners.astype(int), temperature)
     example.finish()
 
 
