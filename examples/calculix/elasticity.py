@@ -51,6 +51,13 @@ def nodes_and_corners(path, vertices, tets):
             block(b"   3C", [("number", "<i4"), ("what", "<i4", 3), ("corners", "<i4", 4)], tets)["corners"] - 1)
 
 
+def coordinates(path):
+    """The vertices as CalculiX gets them, from lines "number, x, y, z"."""
+    with open(path, encoding="ascii") as file:
+        lines = file.read().split("*NODE, NSET=ALL_NODES\n")[1].split("*", 1)[0].splitlines()
+    return numpy.array([[float(x) for x in line.split(",")[1:]] for line in lines])
+
+
 def write_patch_test(example, points, outside, matrix, shift):
     """What patch.inp includes. One node more for each inside, and four for the linear displacement."""
     inside = numpy.setdiff1d(numpy.arange(len(points)), outside)
@@ -80,10 +87,7 @@ def main():
     example = overlap.Example(__doc__, {"ccx": "calculix-ccx"})
     surface = example.worm()
     path, vertices, tets = example.mesh(surface, "worm.inp")
-    # The coordinates as CalculiX gets them: the mesh's vertices are written as lines "number, x, y, z".
-    with open(path, encoding="ascii") as file:
-        lines = file.read().split("*NODE, NSET=ALL_NODES\n")[1].split("*", 1)[0].splitlines()
-    points = numpy.array([[float(x) for x in line.split(",")[1:]] for line in lines])
+    points = coordinates(path)
     outside = numpy.arange(len(surface.points))  # the surface's vertices come first
 
     # Patch test: constant strain on the whole boundary is constant strain inside.
@@ -105,14 +109,6 @@ def main():
     example.small("patch test: error of the constant stress (7 digits are printed)",
                   numpy.abs(stresses[:, 2:] - wanted).max() / numpy.abs(wanted).max(), PRINTED)
 
-    # A pressure on all boundary faces, the other kind of patch test.
-    with open(example.path("values.inp"), "w", encoding="ascii") as file:
-        write_values(file, outside[:3], -(1 - 2 * POISSON) / YOUNG * points)
-    said, tables = solve(example, "pressure")
-    example.equal("boundary faces", int(re.search(r"facial loads: *(\d+)", said)[1]), len(surface.faces))
-    example.small("patch test: error of a constant pressure (7 digits are printed)",
-                  numpy.abs(tables["stresses for set REGION_1"][:, 2:] - [-1, -1, -1, 0, 0, 0]).max(), PRINTED)
-
     # The tail is held, the head pushed.
     said, tables = solve(example, "push")
     head = surface.labels["head"]
@@ -128,6 +124,18 @@ def main():
     example.equal("vertices after merging equal ones", len({tuple(p) for p in nodes.tolist()}), vertices)
     tail, head = example.values_of_layers(nodes, corners, moved)
     example.between("share of the head's displacement that the tail has at that place", tail / head, 0.0, 0.05)
+
+    # A pressure on all boundary faces, the other kind of patch test; also with tets of second order.
+    with open(example.path("values.inp"), "w", encoding="ascii") as file:
+        write_values(file, outside[:3], -(1 - 2 * POISSON) / YOUNG * points)
+    for order, integration_points in (("1", 1), ("2", 4)):
+        example.mesh(surface, "worm.inp", "--order", order)
+        said, tables = solve(example, "pressure")
+        example.equal(f"boundary faces, order {order}", int(re.search(r"facial loads: *(\d+)", said)[1]), len(surface.faces))
+        stresses = tables["stresses for set REGION_1"]
+        example.equal(f"integration points with a stress, order {order}", len(stresses), integration_points * tets)
+        example.small(f"patch test, order {order}: error of a constant pressure (7 digits are printed)",
+                      numpy.abs(stresses[:, 2:] - [-1, -1, -1, 0, 0, 0]).max(), PRINTED)
     example.finish()
 
 
