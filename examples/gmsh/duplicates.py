@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """What Gmsh makes of a mesh that overlaps itself, also after it has removed duplicate nodes.
 
-Gmsh reads worm.msh, worm.mesh, worm.vtk and worm.inp. The labels are physical groups of surfaces in .msh files, with their
-names; the regions are those of volumes.
+Gmsh reads worm.msh; the labels of the faces are physical groups of surfaces, with their names, and the regions physical
+groups of volumes. It also reads worm.mesh (labels and regions are numbers of entities) and the tets of worm.vtk.
 """
 import os
 import sys
