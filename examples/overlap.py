@@ -58,9 +58,10 @@ class Example:
         self.program = shutil.which(options.overtet)
         if not self.program:
             sys.exit(f"{options.overtet}: no such program. Name overtet, or put it on PATH.")
+        self.program = os.path.abspath(self.program)
         self.temporary = None
         if options.keep:
-            self.folder = options.keep
+            self.folder = os.path.abspath(options.keep)
             os.makedirs(self.folder, exist_ok=True)
         else:
             self.temporary = tempfile.TemporaryDirectory()
