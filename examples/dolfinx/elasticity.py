@@ -7,7 +7,7 @@ the body, all the way round.
 import numpy
 import worm
 
-YOUNG, POISSON, PULL = 1.0, 0.3, 1e-4
+YOUNG, POISSON, PULL = 1.0, 0.3, 1.0
 
 
 def main():

@@ -24,7 +24,7 @@ def read(path):
     import gmsh
     from dolfinx.io import gmshio
     from mpi4py import MPI
-    logging.getLogger().setLevel(logging.WARNING)  # the compiler of forms tells much
+    logging.getLogger().addFilter(lambda record: record.levelno >= logging.WARNING)  # the compiler of forms tells much
     gmsh.initialize()
     gmsh.option.setNumber("General.Terminal", 0)
     gmsh.open(path)
