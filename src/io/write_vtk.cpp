@@ -269,7 +269,6 @@ void write_boundary_vtp(TextWriter& out, const TetView& m) {
 
 void write_vtk(TextWriter& out, const TetView& m) {
   out.text("# vtk DataFile Version 3.0\nTet mesh by Overtet\nASCII\nDATASET UNSTRUCTURED_GRID\n");
-  if (const std::vector<Attribute> fields = field_data(m); !fields.empty()) legacy_field(out, fields);
   out.text("POINTS ").number(m.vertices()).text(" double\n");
   out.lines(m.vertices(), [&](TextBuffer& line, std::int64_t v) { m.coordinates(line, v).end_line(); });
   const std::int64_t each = corners_each(m);
@@ -280,6 +279,8 @@ void write_vtk(TextWriter& out, const TetView& m) {
   out.text("CELL_TYPES ").number(m.tets()).end_line();
   out.lines(m.tets(),
             [&](TextBuffer& line, std::int64_t) { line.number(std::int64_t{cell_type(m)}).end_line(); });
+  // Not before the points: Gmsh would take the file for an error, and meshio would overlook it.
+  if (const std::vector<Attribute> fields = field_data(m); !fields.empty()) legacy_field(out, fields);
   if (const std::vector<Attribute> cells = cell_data(m); !cells.empty()) {
     out.text("CELL_DATA ").number(m.tets()).end_line();
     legacy_field(out, cells);

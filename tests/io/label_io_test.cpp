@@ -431,6 +431,34 @@ TEST(Labels, SurviveOtherPrograms) {
   }
 }
 
+// Gmsh refused legacy VTK with field data before the points.
+TEST(Labels, OtherProgramsReadTheTetsAllTheSame) {
+  const TemporaryFolder folder;
+  const LabelledTetMesh m = sample();
+  const std::string numbers = std::to_string(m.mesh.V.rows()) + " " + std::to_string(m.mesh.T.rows()) + "\n";
+  for (const Place& c : kPlaces)
+    ASSERT_TRUE(write_tets(folder.file(c.name), m.mesh, m.attributes, {c.format, 1}).ok());
+  for (const auto& [library, file] :
+       std::initializer_list<std::pair<std::string, std::string>>{{"gmsh", "a.mesh"},
+                                                                  {"gmsh", "b.msh"},
+                                                                  {"gmsh", "c.msh"},
+                                                                  {"gmsh", "g.vtk"},
+                                                                  {"meshio", "a.mesh"},
+                                                                  {"meshio", "b.msh"},
+                                                                  {"meshio", "c.msh"},
+                                                                  {"meshio", "d.vtu"},
+                                                                  {"meshio", "g.vtk"},
+                                                                  {"vtk", "d.vtu"},
+                                                                  {"vtk", "g.vtk"}}) {
+    SCOPED_TRACE(library + " reads " + file);
+    const auto r =
+        test::shell("/usr/bin/python3 -B " OVERTET_READ_BACK " " + library + " " + folder.file(file));
+    ASSERT_EQ(r.exit_code, 0) << r.err;
+    EXPECT_TRUE(r.out.starts_with(numbers) || r.out.find("\n" + numbers) != std::string::npos)
+        << r.out.substr(0, 200);
+  }
+}
+
 TEST(Labels, ManyFilesThatAreDamagedNeverCrash) {
   const std::uint64_t seed = 78;
   SCOPED_TRACE("seed " + std::to_string(seed));
