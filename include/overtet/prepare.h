@@ -1,6 +1,6 @@
-// Surfaces made usable by steps that do change the shape, each of them asked for: cracks closed, holes filled,
-// specks dropped, needles collapsed. What changes no shape is done by the clean-up (cleanup.h), which runs
-// before, between and after them. docs/raw-surfaces.md says what each step guarantees.
+// Surfaces made usable by steps that do change the shape, each of them asked for: cracks closed, holes
+// filled, specks dropped, needles collapsed. What changes no shape is done by the clean-up (cleanup.h), which
+// runs before, between and after them. docs/raw-surfaces.md says what each step guarantees.
 //
 // Guaranteed: a vertex that no step names keeps its bits, and a face its corners. Nothing that is filled or
 // collapsed crosses or touches what is there (unless allowed): where it would, the place stays as it is, and
@@ -45,15 +45,17 @@ struct PrepareOptions {
   // Needles are collapsed or flipped where the surface moves by no more than the tolerance.
   bool collapse_needles = false;
 
-  double tolerance = 1e-4;         // of close_cracks and collapse_needles; up to 0.1
-  double needle_degrees = 1;       // a face with a smaller angle is a needle; up to 30
-  bool allow_crossings = false;    // fillings may cross the surface
-  int most_places = 10;            // of each step that are listed, 1 to 1000000
+  double tolerance = 1e-4;       // of close_cracks and collapse_needles; up to 0.1
+  double needle_degrees = 1;     // a face with a smaller angle is a needle; up to 30
+  bool allow_crossings = false;  // fillings may cross the surface
+  int most_places = 10;          // of each step that are listed, 1 to 1000000
 
   // All steps that suit any surface, with what is usual: cracks, components of fewer than 10 faces, holes of
   // at most 100 edges, needles.
   static PrepareOptions all();
-  bool any() const { return weld > 0 || close_cracks || remove_small > 0 || largest || fill_holes > 0 || collapse_needles; }
+  bool any() const {
+    return weld > 0 || close_cracks || remove_small > 0 || largest || fill_holes > 0 || collapse_needles;
+  }
   Status validate() const;  // Errors: usage.
 };
 
@@ -81,13 +83,14 @@ struct Preparation {
   Cleanup result;
   std::vector<PrepareRecord> steps;  // those that were asked for, in order
   std::vector<Index> moved;          // vertices of the result that are not where the given one's are, sorted
-  // What is wrong still, in numbers of the result (its messages, too). Empty: it is closed, oriented, manifold.
+  // What is wrong still, in numbers of the result (its messages, too). Empty: it is closed, oriented,
+  // manifold.
   std::vector<Defect> remaining;
 };
 
 // source: how messages call vertices and faces. Errors: usage (options), bad_input (malformed or one-sided),
 // limit, interrupted. Never throws.
-Result<Preparation> prepare(const Surface& surface, const PrepareOptions& options, const SurfaceSource& source = {},
-                            const RunContext& context = {});
+Result<Preparation> prepare(const Surface& surface, const PrepareOptions& options,
+                            const SurfaceSource& source = {}, const RunContext& context = {});
 
 }  // namespace overtet

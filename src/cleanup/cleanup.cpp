@@ -481,14 +481,14 @@ Status CleanupOptions::validate() const {
 
 std::string Cleanup::summary() const {
   if (!changed()) return {};
-  std::string text = "Cleaned up: ";
-  const char* comma = "";
+  std::string text;
+  const char* comma = "Cleaned up: ";
   for (const Defect& d : defects) {
     if (!is_mended(d.kind)) continue;
     text += comma + counted(d);
     comma = ", ";
   }
-  return text + ".";
+  return text.empty() ? text : text + ".";
 }
 
 Result<Cleanup> clean_up(const Surface& surface, const CleanupOptions& options, const SurfaceSource& source,

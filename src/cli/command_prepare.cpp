@@ -38,7 +38,8 @@ std::string map_text(const Prepared& p) {
   const Cleanup& r = p.preparation.result;
   const SurfaceSource& source = p.info.source;
   std::string text = "{\n";
-  const auto list = [&](const char* name, const std::vector<Index>& map, const auto& in_file, const char* end) {
+  const auto list = [&](const char* name, const std::vector<Index>& map, const auto& in_file,
+                        const char* end) {
     text += std::string("  \"") + name + "\": [";
     char digits[16];
     for (std::size_t i = 0; i < map.size(); ++i) {
@@ -47,14 +48,17 @@ std::string map_text(const Prepared& p) {
     }
     text += std::string("]") + end;
   };
-  list("vertices", r.vertex_of, [&](Index v) { return source.vertex_in_file(v); }, ",\n");
-  list("faces", r.face_of, [&](Index f) { return source.face_in_file(f); }, "\n}\n");
+  list(
+      "vertices", r.vertex_of, [&](Index v) { return source.vertex_in_file(v); }, ",\n");
+  list(
+      "faces", r.face_of, [&](Index f) { return source.face_in_file(f); }, "\n}\n");
   return text;
 }
 
 // What comes with the faces; the new ones have label 0.
 SurfaceAttributes attributes_of(const Prepared& p) {
-  SurfaceAttributes a = carried(p.info.attributes, p.preparation.result.vertex_of, p.preparation.result.face_of);
+  SurfaceAttributes a =
+      carried(p.info.attributes, p.preparation.result.vertex_of, p.preparation.result.face_of);
   for (std::size_t f = 0; f < a.faces.of.size(); ++f)
     if (p.preparation.result.face_of[f] < 0) a.faces.of[f] = 0;
   return a;
@@ -83,7 +87,8 @@ Result<Prepared> prepared(const PrepareCommand& command, SurfaceFormat format, c
     return Error{ErrorCode::bad_input, "No face is left, and nothing was written."};
   if (interrupt_flag()) return Error{ErrorCode::interrupted, "Interrupted; nothing was written."};
   const SurfaceAttributes attributes = attributes_of(out);
-  if (Status s = write_surface(command.output, result.surface, format, context, &attributes.faces); !s) return s.error();
+  if (Status s = write_surface(command.output, result.surface, format, context, &attributes.faces); !s)
+    return s.error();
   if (!command.save_map.empty())
     if (Status s = write_text(command.save_map, map_text(out)); !s) return s.error();
   return out;
@@ -91,13 +96,15 @@ Result<Prepared> prepared(const PrepareCommand& command, SurfaceFormat format, c
 
 std::string message_of(const PrepareCommand& command, const Prepared& p) {
   const Surface& s = p.preparation.result.surface;
-  std::string text = command.output + ": " + std::to_string(s.V.rows()) + " vertices, " + std::to_string(s.F.rows()) + " faces, ";
+  std::string text = command.output + ": " + std::to_string(s.V.rows()) + " vertices, " +
+                     std::to_string(s.F.rows()) + " faces, ";
   if (p.preparation.remaining.empty()) return text + "closed, oriented and manifold.";
   return text + "not closed yet: " + p.preparation.remaining.front().message;
 }
 
 Json to_json(const PrepareRecord& step, const SurfaceSource& source) {
-  Json j = {{"step", name_of(step.step)}, {"seconds", step.seconds}, {"done", step.done}, {"left", step.left}};
+  Json j = {
+      {"step", name_of(step.step)}, {"seconds", step.seconds}, {"done", step.done}, {"left", step.left}};
   j["figures"] = Json::object();
   for (const Figure& figure : step.figures)
     std::visit([&](const auto& value) { j["figures"][figure.first] = value; }, figure.second);
@@ -143,7 +150,10 @@ Json report_of(const PrepareCommand& command, const CommonOptions& common, const
   const Prepared& p = result.value();
   const Preparation& r = p.preparation;
   const CleanupRecord record = record_of(r.result, p.info.source);
-  j["input"] = {{"format", p.info.format}, {"notes", p.info.notes}, {"vertices", p.given_vertices}, {"faces", p.given_faces}};
+  j["input"] = {{"format", p.info.format},
+                {"notes", p.info.notes},
+                {"vertices", p.given_vertices},
+                {"faces", p.given_faces}};
   j["input"]["clean_up"] = Json::object();
   for (const auto& [kind, count] : record.steps) j["input"]["clean_up"][kind] = count;
   j["steps"] = Json::array();
@@ -166,9 +176,10 @@ int run(const PrepareCommand& command, const CommonOptions& common, Terminal& te
   if (!format) return fail(terminal, format.error());
   if (Status s = check(command); !s) return fail(terminal, s.error());
   if (!command.options.any())
-    return fail(terminal, {ErrorCode::usage,
-                           "Say what is to be done: --weld, --close-cracks, --remove-small, --largest, --fill-holes, "
-                           "--collapse-needles or --all (overtet help prepare explains them)."});
+    return fail(terminal,
+                {ErrorCode::usage,
+                 "Say what is to be done: --weld, --close-cracks, --remove-small, --largest, --fill-holes, "
+                 "--collapse-needles or --all (overtet help prepare explains them)."});
   OutputProbe output, report_probe;
   if (Status s = output.open(command.output); !s) return fail(terminal, s.error());
   if (!command.report.empty())
@@ -182,7 +193,9 @@ int run(const PrepareCommand& command, const CommonOptions& common, Terminal& te
   const bool interrupted = !result && result.error().code == ErrorCode::interrupted;
   if (!command.report.empty() && !interrupted) {
     const Json report = report_of(command, common, result, message);
-    if (Status s = write_text(command.report, report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"); !s) {
+    if (Status s =
+            write_text(command.report, report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+        !s) {
       if (result) return fail(terminal, s.error());
       terminal.error(s.error().message);
     }

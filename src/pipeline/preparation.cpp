@@ -14,7 +14,9 @@ namespace overtet {
 
 namespace {
 
-std::string counted(std::int64_t n, const char* one, const char* many) { return std::to_string(n) + " " + (n == 1 ? one : many); }
+std::string counted(std::int64_t n, const char* one, const char* many) {
+  return std::to_string(n) + " " + (n == 1 ? one : many);
+}
 
 std::string figure_text(double x) {
   char text[32];
@@ -32,8 +34,8 @@ std::int64_t figure(const PrepareRecord& r, const char* name) {
 std::string first_left(const PrepareRecord& r, const std::string& what) {
   if (r.left == 0 || r.places.empty()) return {};
   const PlaceLeft& p = r.places.front();
-  return "; " + std::to_string(r.left) + " left, the first" + what + " at (" + figure_text(p.position[0]) + ", " +
-         figure_text(p.position[1]) + ", " + figure_text(p.position[2]) + "): " + p.why;
+  return "; " + std::to_string(r.left) + " left, the first" + what + " at (" + figure_text(p.position[0]) +
+         ", " + figure_text(p.position[1]) + ", " + figure_text(p.position[2]) + "): " + p.why;
 }
 
 std::string sentence_of(const PrepareRecord& r) {
@@ -46,15 +48,19 @@ std::string sentence_of(const PrepareRecord& r) {
              counted(figure(r, "edges_split"), "edge", "edges") + " split.";
     case PrepareStep::remove_small:
     case PrepareStep::largest:
-      return name + std::to_string(r.done) + " of " + counted(figure(r, "components"), "component", "components") +
-             " dropped, with " + counted(figure(r, "faces"), "face", "faces") + ".";
+      return name + std::to_string(r.done) + " of " +
+             counted(figure(r, "components"), "component", "components") + " dropped, with " +
+             counted(figure(r, "faces"), "face", "faces") + ".";
     case PrepareStep::fill_holes:
-      return name + std::to_string(r.done) + " of " + counted(figure(r, "holes"), "hole", "holes") + " filled, with " +
-             counted(figure(r, "vertices"), "vertex", "vertices") + " and " + counted(figure(r, "faces"), "face", "faces") +
-             first_left(r, r.places.empty() ? "" : " of " + counted(r.places.front().edges, "edge", "edges")) + ".";
+      return name + std::to_string(r.done) + " of " + counted(figure(r, "holes"), "hole", "holes") +
+             " filled, with " + counted(figure(r, "vertices"), "vertex", "vertices") + " and " +
+             counted(figure(r, "faces"), "face", "faces") +
+             first_left(r,
+                        r.places.empty() ? "" : " of " + counted(r.places.front().edges, "edge", "edges")) +
+             ".";
     case PrepareStep::collapse_needles:
-      return name + std::to_string(r.done) + " of " + counted(figure(r, "needles"), "needle", "needles") + " gone, with " +
-             counted(figure(r, "faces_gone"), "face", "faces") + first_left(r, "") + ".";
+      return name + std::to_string(r.done) + " of " + counted(figure(r, "needles"), "needle", "needles") +
+             " gone, with " + counted(figure(r, "faces_gone"), "face", "faces") + first_left(r, "") + ".";
   }
   return name;
 }
@@ -78,8 +84,9 @@ class Preparing {
     std::iota(working_.face_of.begin(), working_.face_of.end(), 0);
     working_.become(std::move(first).value());
     diagonal_ = diagonal_of(working_.surface.V);
-    for (const PrepareStep step : {PrepareStep::weld, PrepareStep::close_cracks, PrepareStep::remove_small,
-                                   PrepareStep::largest, PrepareStep::fill_holes, PrepareStep::collapse_needles}) {
+    for (const PrepareStep step :
+         {PrepareStep::weld, PrepareStep::close_cracks, PrepareStep::remove_small, PrepareStep::largest,
+          PrepareStep::fill_holes, PrepareStep::collapse_needles}) {
       if (!wanted(step)) continue;
       if (auto stop = context_.stop()) return *stop;
       context_.report("prepare", 0, name_of(step));
@@ -194,8 +201,8 @@ class Preparing {
 
 }  // namespace
 
-Result<Preparation> prepare_surface(const Surface& surface, const PrepareOptions& options, const SurfaceSource& source,
-                                    const RunContext& context) {
+Result<Preparation> prepare_surface(const Surface& surface, const PrepareOptions& options,
+                                    const SurfaceSource& source, const RunContext& context) {
   return Preparing(options, context).run(surface, source);
 }
 

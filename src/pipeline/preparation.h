@@ -6,7 +6,7 @@
 namespace overtet {
 
 // As prepare() in include/overtet/prepare.h, but may throw.
-Result<Preparation> prepare_surface(const Surface& surface, const PrepareOptions& options, const SurfaceSource& source,
-                                    const RunContext& context);
+Result<Preparation> prepare_surface(const Surface& surface, const PrepareOptions& options,
+                                    const SurfaceSource& source, const RunContext& context);
 
 }  // namespace overtet

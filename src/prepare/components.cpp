@@ -27,7 +27,9 @@ StepOutcome drop_components(WorkingSurface& working, Index fewest_faces, bool la
     area[root] += area_of(s, f);
   }
   const auto largest = static_cast<Index>(std::max_element(area.begin(), area.end()) - area.begin());
-  const auto goes = [&](Index root) { return root != largest && (largest_only || faces[root] < fewest_faces); };
+  const auto goes = [&](Index root) {
+    return root != largest && (largest_only || faces[root] < fewest_faces);
+  };
   StepOutcome out;
   std::int64_t components = 0;
   for (Index v = 0; v < s.V.rows(); ++v) {

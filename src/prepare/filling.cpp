@@ -20,7 +20,8 @@ struct HoleState {
   bool has_filling = false;  // CGAL found one
 };
 
-std::optional<Patch> patch_for(const Surface& s, const Incidence& incidence, const HoleState& hole, Filling filling) {
+std::optional<Patch> patch_for(const Surface& s, const Incidence& incidence, const HoleState& hole,
+                               Filling filling) {
   std::vector<Index> vertices;
   for (const Index h : hole.border) vertices.push_back(half_edge_source(s.F, h));
   const Surroundings around = of_faces(s, faces_around(s, incidence, std::move(vertices), kRings));
@@ -50,8 +51,9 @@ std::vector<HoleState> holes_of(const Surface& s, const Incidence& incidence) {
 }
 
 // Tries one way to fill all holes that are open still.
-Status try_filling(WorkingSurface& working, const Incidence& incidence, std::vector<HoleState>& holes, std::size_t count,
-                   Filling filling, const PrepareOptions& options, const RunContext& context) {
+Status try_filling(WorkingSurface& working, const Incidence& incidence, std::vector<HoleState>& holes,
+                   std::size_t count, Filling filling, const PrepareOptions& options,
+                   const RunContext& context) {
   std::vector<std::optional<Patch>> made(count);
   std::atomic<bool> stopped{false};
   parallel_for(static_cast<std::int64_t>(count), 1, [&](std::int64_t begin, std::int64_t end) {
@@ -77,17 +79,22 @@ Status try_filling(WorkingSurface& working, const Incidence& incidence, std::vec
 
 }  // namespace
 
-Result<StepOutcome> fill_holes(WorkingSurface& working, const PrepareOptions& options, const RunContext& context) {
-  const Index vertices = static_cast<Index>(working.surface.V.rows()), faces = static_cast<Index>(working.surface.F.rows());
+Result<StepOutcome> fill_holes(WorkingSurface& working, const PrepareOptions& options,
+                               const RunContext& context) {
+  const Index vertices = static_cast<Index>(working.surface.V.rows()),
+              faces = static_cast<Index>(working.surface.F.rows());
   const Incidence incidence(vertices, working.surface.F);
   std::vector<HoleState> holes = holes_of(working.surface, incidence);
-  const auto fits = [&](const HoleState& h) { return h.border.size() <= static_cast<std::size_t>(options.fill_holes); };
+  const auto fits = [&](const HoleState& h) {
+    return h.border.size() <= static_cast<std::size_t>(options.fill_holes);
+  };
   const auto count = static_cast<std::size_t>(std::count_if(holes.begin(), holes.end(), fits));
   double done = 0;
   for (const Filling filling : {Filling::faired, Filling::refined, Filling::plain}) {
     context.report("prepare", done, "filling holes");
     done += 1.0 / 3;
-    if (Status s = try_filling(working, incidence, holes, count, filling, options, context); !s) return s.error();
+    if (Status s = try_filling(working, incidence, holes, count, filling, options, context); !s)
+      return s.error();
   }
   StepOutcome out;
   for (const HoleState& hole : holes) {
@@ -101,9 +108,10 @@ Result<StepOutcome> fill_holes(WorkingSurface& working, const PrepareOptions& op
     place.vertex = half_edge_source(working.surface.F, hole.border.front());
     for (int k = 0; k < 3; ++k) place.position[k] = working.surface.V(place.vertex, k);
     place.edges = static_cast<std::int64_t>(hole.border.size());
-    place.why = !fits(hole)         ? "it has more than " + std::to_string(options.fill_holes) + " edges"
-                : hole.has_filling ? "every filling that was found crosses or touches something, or has a face without area"
-                                   : "no filling was found";
+    place.why = !fits(hole) ? "it has more than " + std::to_string(options.fill_holes) + " edges"
+                : hole.has_filling
+                    ? "every filling that was found crosses or touches something, or has a face without area"
+                    : "no filling was found";
     out.places.push_back(std::move(place));
   }
   out.figures = {{"holes", static_cast<std::int64_t>(holes.size())},

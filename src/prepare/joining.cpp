@@ -34,12 +34,14 @@ struct Beside {
 };
 
 // The vertices beside each border edge, in the order along it.
-std::vector<std::vector<Beside>> vertices_beside(const Surface& s, const std::vector<Index>& border, double distance) {
+std::vector<std::vector<Beside>> vertices_beside(const Surface& s, const std::vector<Index>& border,
+                                                 double distance) {
   const std::vector<Index> vertices = border_vertices(s.F, border);
   const auto point = [&](Index v) { return Eigen::Vector3d(s.V.row(v)); };
   BoxTree tree;
   tree.build(static_cast<Index>(border.size()), [&](Index i) {
-    const Eigen::Vector3d a = point(half_edge_source(s.F, border[i])), b = point(half_edge_target(s.F, border[i]));
+    const Eigen::Vector3d a = point(half_edge_source(s.F, border[i])),
+                          b = point(half_edge_target(s.F, border[i]));
     Box box;
     for (int k = 0; k < 3; ++k) box.low[k] = std::min(a[k], b[k]), box.high[k] = std::max(a[k], b[k]);
     box.grow(distance);
@@ -87,7 +89,8 @@ Joined put_together(WorkingSurface& working, double distance) {
       s.V.row(vertices[j]) = p.transpose();
     }
   }
-  std::sort(out.moved.begin(), out.moved.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::sort(out.moved.begin(), out.moved.end(),
+            [](const auto& a, const auto& b) { return a.first < b.first; });
   return out;
 }
 
@@ -109,8 +112,10 @@ Joined split_at_vertices(WorkingSurface& working, double distance) {
     if (beside[i].empty() || s.F(f, (k + 1) % 3) >= vertices) continue;
     ++out.split;
     const Index far = s.F(f, (k + 2) % 3), to = s.F(f, (k + 1) % 3);
-    // The next edge, if it is to be split, begins where the last piece is; the one after it ends at the first.
-    const bool keep_last = i + 1 < border.size() && border[i + 1] == 3 * f + k + 1 && k < 2 && !beside[i + 1].empty();
+    // The next edge, if it is to be split, begins where the last piece is; the one after it ends at the
+    // first.
+    const bool keep_last =
+        i + 1 < border.size() && border[i + 1] == 3 * f + k + 1 && k < 2 && !beside[i + 1].empty();
     Index from = s.F(f, k);
     std::vector<Index> chain{from};
     for (const Beside& b : beside[i]) {
@@ -130,7 +135,8 @@ Joined split_at_vertices(WorkingSurface& working, double distance) {
   const Index n = static_cast<Index>(s.F.rows());
   s.V.conservativeResize(vertices + static_cast<Index>(points.size()), 3);
   s.F.conservativeResize(n + static_cast<Index>(faces.size()), 3);
-  for (std::size_t i = 0; i < points.size(); ++i) s.V.row(vertices + static_cast<Index>(i)) = points[i].transpose();
+  for (std::size_t i = 0; i < points.size(); ++i)
+    s.V.row(vertices + static_cast<Index>(i)) = points[i].transpose();
   for (std::size_t i = 0; i < faces.size(); ++i)
     for (int k = 0; k < 3; ++k) s.F(n + static_cast<Index>(i), k) = faces[i][k];
   working.vertex_of.resize(s.V.rows(), -1);

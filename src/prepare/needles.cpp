@@ -39,7 +39,8 @@ std::vector<Index> needles_of(const Surface& s, double degrees) {
 }
 
 // Needles whose surroundings have a vertex in common are one place: its faces, ascending.
-std::vector<std::vector<Index>> places_of(const Surface& s, const Incidence& incidence, const std::vector<Index>& needles) {
+std::vector<std::vector<Index>> places_of(const Surface& s, const Incidence& incidence,
+                                          const std::vector<Index>& needles) {
   std::vector<Index> vertices;
   for (const Index f : needles)
     for (int k = 0; k < 3; ++k) vertices.push_back(s.F(f, k));
@@ -62,7 +63,8 @@ std::vector<std::vector<Index>> places_of(const Surface& s, const Incidence& inc
 }
 
 // What changes at the place; nothing where CGAL finds nothing to do.
-std::optional<Patch> mended(const WorkingSurface& working, const std::vector<Index>& faces, const NeedleLimits& limits) {
+std::optional<Patch> mended(const WorkingSurface& working, const std::vector<Index>& faces,
+                            const NeedleLimits& limits) {
   const Surroundings around = of_faces(working.surface, faces);
   const TriangleMatrix& F = around.surface.F;
   const Incidence incidence(static_cast<Index>(around.vertex.size()), F);
@@ -86,14 +88,15 @@ std::optional<Patch> mended(const WorkingSurface& working, const std::vector<Ind
   return patch;
 }
 
-void list_those_left(const Surface& s, const std::vector<Index>& needles, std::int64_t places_crossing, int most,
-                     StepOutcome& out) {
+void list_those_left(const Surface& s, const std::vector<Index>& needles, std::int64_t places_crossing,
+                     int most, StepOutcome& out) {
   for (std::size_t i = 0; i < needles.size() && i < static_cast<std::size_t>(most); ++i) {
     PlaceLeft place;
     place.vertex = s.F(needles[i], 0);
     for (int k = 0; k < 3; ++k) place.position[k] = s.V(place.vertex, k);
     place.why = places_crossing > 0
-                    ? "collapsing it would move the surface farther than allowed, turn a face over, or cross something"
+                    ? "collapsing it would move the surface farther than allowed, turn a face over, or cross "
+                      "something"
                     : "collapsing it would move the surface farther than allowed, or turn a face over";
     out.places.push_back(std::move(place));
   }

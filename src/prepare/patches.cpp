@@ -161,7 +161,8 @@ class Trial {
   }
 
   // Patch and face of the surface; those pairs only.
-  static std::set<std::pair<Index, Index>> with_surface(const Excerpt& e, const std::vector<FacePair>& pairs) {
+  static std::set<std::pair<Index, Index>> with_surface(const Excerpt& e,
+                                                        const std::vector<FacePair>& pairs) {
     std::set<std::pair<Index, Index>> found;
     for (const auto& [f, g] : pairs)
       if ((e.patch_of[f] < 0) != (e.patch_of[g] < 0))
@@ -202,7 +203,8 @@ class Trial {
     for (std::size_t p = 0; p < patches_.size(); ++p) {
       if (fate_[p] != PatchFate::taken) continue;
       points += static_cast<Index>(patches_[p].points.size());
-      faces += static_cast<Index>(patches_[p].faces.size()) - static_cast<Index>(patches_[p].old_faces.size());
+      faces +=
+          static_cast<Index>(patches_[p].faces.size()) - static_cast<Index>(patches_[p].old_faces.size());
       for (const Index f : patches_[p].old_faces) gone[f] = 1;
     }
     Index n = 0;
@@ -240,8 +242,8 @@ class Trial {
 
 }  // namespace
 
-Result<std::vector<PatchFate>> put_patches(WorkingSurface& working, const std::vector<Patch>& patches, bool allow_crossings,
-                                           const RunContext& context) {
+Result<std::vector<PatchFate>> put_patches(WorkingSurface& working, const std::vector<Patch>& patches,
+                                           bool allow_crossings, const RunContext& context) {
   if (patches.empty()) return std::vector<PatchFate>{};
   return Trial(working, patches, context).run(allow_crossings);
 }

@@ -30,7 +30,7 @@ enum class PatchFate {
 // What the old faces crossed already may be crossed still. New faces come last; vertices keep their numbers,
 // even those that no face uses now. pre: no face is an old one of two patches. allow_crossings: only flat and
 // crowded ones are left out. Near-linear in the size of surface and patches. Errors: limit, interrupted.
-Result<std::vector<PatchFate>> put_patches(WorkingSurface& working, const std::vector<Patch>& patches, bool allow_crossings,
-                                           const RunContext& context);
+Result<std::vector<PatchFate>> put_patches(WorkingSurface& working, const std::vector<Patch>& patches,
+                                           bool allow_crossings, const RunContext& context);
 
 }  // namespace overtet

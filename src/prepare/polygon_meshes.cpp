@@ -27,14 +27,16 @@ bool build(const Surface& s, Mesh& mesh) {
   for (Index v = 0; v < s.V.rows(); ++v) mesh.add_vertex({s.V(v, 0), s.V(v, 1), s.V(v, 2)});
   const auto vertex = [](Index v) { return Vertex(static_cast<Mesh::size_type>(v)); };
   for (Index f = 0; f < s.F.rows(); ++f)
-    if (mesh.add_face(vertex(s.F(f, 0)), vertex(s.F(f, 1)), vertex(s.F(f, 2))) == Mesh::null_face()) return false;
+    if (mesh.add_face(vertex(s.F(f, 0)), vertex(s.F(f, 1)), vertex(s.F(f, 2))) == Mesh::null_face())
+      return false;
   return true;
 }
 
 std::array<Index, 3> corners_of(const Mesh& mesh, Mesh::Face_index f) {
   std::array<Index, 3> corners{};
   int k = 0;
-  for (const Vertex v : CGAL::vertices_around_face(mesh.halfedge(f), mesh)) corners[k++] = static_cast<Index>(v.idx());
+  for (const Vertex v : CGAL::vertices_around_face(mesh.halfedge(f), mesh))
+    corners[k++] = static_cast<Index>(v.idx());
   return corners;
 }
 
@@ -65,7 +67,8 @@ std::optional<FilledHole> filled(const Surface& around, Index a, Index b, Fillin
   try {
     Mesh mesh;
     if (!build(around, mesh)) return std::nullopt;
-    const auto edge = mesh.halfedge(Vertex(static_cast<Mesh::size_type>(b)), Vertex(static_cast<Mesh::size_type>(a)));
+    const auto edge =
+        mesh.halfedge(Vertex(static_cast<Mesh::size_type>(b)), Vertex(static_cast<Mesh::size_type>(a)));
     if (edge == Mesh::null_halfedge() || !mesh.is_border(edge)) return std::nullopt;
     std::vector<Mesh::Face_index> faces;
     if (!fill(mesh, edge, filling, faces)) return std::nullopt;

@@ -13,8 +13,8 @@ namespace overtet {
 enum class Filling { faired, refined, plain };
 
 struct FilledHole {
-  std::vector<Eigen::Vector3d> points;       // new ones
-  std::vector<std::array<Index, 3>> faces;   // a vertex of the surface, or -1 - i for points[i]
+  std::vector<Eigen::Vector3d> points;      // new ones
+  std::vector<std::array<Index, 3>> faces;  // a vertex of the surface, or -1 - i for points[i]
 };
 
 // Fills the hole along whose border a face has the edge from a to b. None where CGAL finds no filling, one

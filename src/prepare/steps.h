@@ -22,7 +22,8 @@ struct StepOutcome {
 // Components: faces that have a vertex in common.
 StepOutcome drop_components(WorkingSurface& working, Index fewest_faces, bool largest_only);
 
-Result<StepOutcome> fill_holes(WorkingSurface& working, const PrepareOptions& options, const RunContext& context);
+Result<StepOutcome> fill_holes(WorkingSurface& working, const PrepareOptions& options,
+                               const RunContext& context);
 
 // length: that the surface may move.
 Result<StepOutcome> collapse_needles(WorkingSurface& working, const PrepareOptions& options, double length,

@@ -25,14 +25,17 @@ Surroundings of_faces(const Surface& whole, std::vector<Index> faces) {
     for (int k = 0; k < 3; ++k) out.vertex.push_back(whole.F(f, k));
   make_unique(out.vertex);
   out.surface.V.resize(static_cast<Index>(out.vertex.size()), 3);
-  for (std::size_t v = 0; v < out.vertex.size(); ++v) out.surface.V.row(static_cast<Index>(v)) = whole.V.row(out.vertex[v]);
+  for (std::size_t v = 0; v < out.vertex.size(); ++v)
+    out.surface.V.row(static_cast<Index>(v)) = whole.V.row(out.vertex[v]);
   out.surface.F.resize(static_cast<Index>(out.face.size()), 3);
   for (std::size_t f = 0; f < out.face.size(); ++f)
-    for (int k = 0; k < 3; ++k) out.surface.F(static_cast<Index>(f), k) = out.local_vertex(whole.F(out.face[f], k));
+    for (int k = 0; k < 3; ++k)
+      out.surface.F(static_cast<Index>(f), k) = out.local_vertex(whole.F(out.face[f], k));
   return out;
 }
 
-std::vector<Index> faces_around(const Surface& whole, const Incidence& incidence, std::vector<Index> vertices, int rings) {
+std::vector<Index> faces_around(const Surface& whole, const Incidence& incidence, std::vector<Index> vertices,
+                                int rings) {
   std::vector<Index> faces;
   for (int ring = 0; ring < rings; ++ring) {
     make_unique(vertices);

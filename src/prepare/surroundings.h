@@ -18,6 +18,7 @@ struct Surroundings {
 Surroundings of_faces(const Surface& whole, std::vector<Index> faces);
 
 // The faces that have one of the vertices, ascending, and those of their vertices, and so on: `rings` times.
-std::vector<Index> faces_around(const Surface& whole, const Incidence& incidence, std::vector<Index> vertices, int rings);
+std::vector<Index> faces_around(const Surface& whole, const Incidence& incidence, std::vector<Index> vertices,
+                                int rings);
 
 }  // namespace overtet
