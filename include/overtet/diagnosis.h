@@ -35,7 +35,7 @@ struct ComponentDiagnosis {
 };
 
 // Where the solid is thin: faces that face away from each other, the inside between them, with no vertex in
-// common. Found by rays from faces and vertices, in doubles.
+// common. Found by rays from faces and vertices, in doubles. Faces that cross others are left out.
 struct ThinSpot {
   Index face = -1, across = -1;      // where it is thinnest
   std::array<double, 3> position{};  // on `face`

@@ -91,8 +91,10 @@ Result<SurfaceDiagnosis> diagnose(const Surface& surface, const RunContext& oute
     Result<CloseLook> look = look_closely(surface, found, context);
     if (!look) return look.error();
     add_crossings(out, d, std::move(look).value());
-    out.thin_limit = kThin * (surface.V.colwise().maxCoeff() - surface.V.colwise().minCoeff()).norm();
-    out.thin_spots = find_thin_spots(surface, *d.bvh, out.thin_limit);
+    out.thin_limit = kThinWall * (surface.V.colwise().maxCoeff() - surface.V.colwise().minCoeff()).norm();
+    std::vector<std::uint8_t> crossing(surface.F.rows(), 0);
+    for (const auto& [f, g] : d.pairs) crossing[f] = crossing[g] = 1;
+    out.thin_spots = find_thin_spots(surface, *d.bvh, out.thin_limit, crossing);
     return out;
   });
 }

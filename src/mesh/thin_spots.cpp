@@ -24,7 +24,8 @@ struct Wall {
 
 class Walls {
  public:
-  Walls(const Surface& s, const TriangleBvh& bvh, double limit) : s_(s), bvh_(bvh), limit_(limit), a_face_(s.V.rows(), -1) {
+  Walls(const Surface& s, const TriangleBvh& bvh, double limit, const std::vector<std::uint8_t>& crossing)
+      : s_(s), bvh_(bvh), limit_(limit), crossing_(crossing), a_face_(s.V.rows(), -1) {
     normal_of_vertex_ = VertexMatrix::Zero(s.V.rows(), 3);
     for (Index f = static_cast<Index>(s.F.rows()); f-- > 0;)
       for (int k = 0; k < 3; ++k) {
@@ -66,9 +67,10 @@ class Walls {
   }
 
   template <class Touches>
-  std::optional<Wall> inwards(Index face, const Vector3d& from, const Vector3d& outwards, const Touches& touches) const {
+  std::optional<Wall> inwards(Index face, const Vector3d& from, const Vector3d& outwards,
+                              const Touches& touches) const {
     const double length = outwards.norm();
-    if (!(length > 0)) return std::nullopt;
+    if (!(length > 0) || crossing_[face]) return std::nullopt;
     const Vector3d way = outwards * (-limit_ / length), to = from + way;
     const Vector3d low = from.cwiseMin(to), high = from.cwiseMax(to);
     double first = 1;  // of the way
@@ -83,7 +85,7 @@ class Walls {
       across = g;
       leaves = normal(g).dot(way) > 0;
     });
-    if (across < 0 || !leaves) return std::nullopt;
+    if (across < 0 || !leaves || crossing_[across]) return std::nullopt;
     return Wall{first * limit_, face, across, from};
   }
 
@@ -101,14 +103,16 @@ class Walls {
   const Surface& s_;
   const TriangleBvh& bvh_;
   double limit_;
+  const std::vector<std::uint8_t>& crossing_;
   VertexMatrix normal_of_vertex_;
   std::vector<Index> a_face_;  // of each vertex, the first one
 };
 
 }  // namespace
 
-std::vector<ThinSpot> find_thin_spots(const Surface& s, const TriangleBvh& bvh, double limit) {
-  const std::vector<Wall> walls = Walls(s, bvh, limit).find();
+std::vector<ThinSpot> find_thin_spots(const Surface& s, const TriangleBvh& bvh, double limit,
+                                      const std::vector<std::uint8_t>& crossing) {
+  const std::vector<Wall> walls = Walls(s, bvh, limit, crossing).find();
   UnionFind sets(static_cast<std::size_t>(s.F.rows()));
   std::vector<char> thin(s.F.rows(), 0);
   std::vector<Index> at(s.V.rows(), -1);  // a thin face of each vertex

@@ -62,7 +62,7 @@ constexpr double kTurnTolerance = 1e-2;
 
 // Of the diagonal: walls of a solid that are thinner are worth telling. A tenth of a millimetre of a print of
 // ten centimetres; edges of scans are longer.
-constexpr double kThin = 1e-3;
+constexpr double kThinWall = 1e-3;
 
 // Along an axis: places where a cut through a mesh may be.
 constexpr int kPlaces = 64;

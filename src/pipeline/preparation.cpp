@@ -173,12 +173,11 @@ class Preparing {
   }
 
   Status close_cracks(double distance, PrepareRecord& record) {
-    if (Status s = weld(distance, record); !s) return s;
-    const Joined joined = split_at_vertices(working_, distance);
-    if (joined.split > 0)
-      if (Status s = clean(&joined, record); !s) return s;
-    record.figures.emplace_back("edges_split", joined.split);
-    return success();
+    // One clean-up for both: the ends of a crack whose sides have other edges are merged only once these are
+    // split.
+    const Joined joined = put_together(working_, distance);
+    record.figures.emplace_back("edges_split", split_at_vertices(working_, distance));
+    return clean(&joined, record);
   }
 
   void finish(const Surface& given, Preparation& out) {

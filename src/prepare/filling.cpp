@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -24,10 +25,9 @@ std::optional<Patch> patch_for(const Surface& s, const Incidence& incidence, con
                                Filling filling) {
   std::vector<Index> vertices;
   for (const Index h : hole.border) vertices.push_back(half_edge_source(s.F, h));
-  const Surroundings around = of_faces(s, faces_around(s, incidence, std::move(vertices), kRings));
-  const Index h = hole.border.front();
-  const std::optional<FilledHole> made = filled(around.surface, around.local_vertex(half_edge_source(s.F, h)),
-                                                around.local_vertex(half_edge_target(s.F, h)), filling);
+  const Surroundings around = of_faces(s, faces_around(s, incidence, vertices, kRings));
+  for (Index& v : vertices) v = around.local_vertex(v);
+  const std::optional<FilledHole> made = filled(around.surface, vertices, filling);
   if (!made) return std::nullopt;
   Patch patch;
   patch.points = made->points;
@@ -40,11 +40,38 @@ std::optional<Patch> patch_for(const Surface& s, const Incidence& incidence, con
   return patch;
 }
 
+// A border that passes through one place twice is that of two holes that touch there: the clean-up has made
+// two vertices of theirs. Both holes get one vertex again, and each is a hole of its own.
+void cut_at_touching_places(Surface& s, const Incidence& incidence, const std::vector<Index>& border,
+                            std::vector<HoleState>& holes) {
+  std::vector<Index> open;                          // half-edges
+  std::map<std::array<double, 3>, std::size_t> at;  // the place where one of them begins
+  const auto place = [&](Index h) {
+    const Index v = half_edge_source(s.F, h);
+    return std::array<double, 3>{s.V(v, 0), s.V(v, 1), s.V(v, 2)};
+  };
+  for (const Index h : border) {
+    if (const auto found = at.find(place(h)); found != at.end() && open.size() >= found->second + 3) {
+      const Index gone = half_edge_source(s.F, h), stays = half_edge_source(s.F, open[found->second]);
+      if (gone != stays)
+        for (const Index corner : incidence.at(gone)) s.F(corner / 3, corner % 3) = stays;
+      const auto first = open.begin() + static_cast<std::ptrdiff_t>(found->second);
+      holes.push_back({{first, open.end()}, false, false});
+      for (auto g = first; g != open.end(); ++g) at.erase(place(*g));
+      open.erase(first, open.end());
+    }
+    at.emplace(place(h), open.size());
+    open.push_back(h);
+  }
+  holes.push_back({std::move(open), false, false});
+}
+
 // The fewest edges first: of two holes whose fillings would cross, the smaller one is filled.
-std::vector<HoleState> holes_of(const Surface& s, const Incidence& incidence) {
+std::vector<HoleState> holes_of(Surface& s) {
+  const Incidence incidence(static_cast<Index>(s.V.rows()), s.F);
   std::vector<HoleState> holes;
-  for (std::vector<Index>& loop : border_loops(s.F, border_half_edges(s.F, incidence)))
-    holes.push_back({std::move(loop), false, false});
+  for (const std::vector<Index>& loop : border_loops(s.F, border_half_edges(s.F, incidence)))
+    cut_at_touching_places(s, incidence, loop, holes);
   std::stable_sort(holes.begin(), holes.end(),
                    [](const HoleState& a, const HoleState& b) { return a.border.size() < b.border.size(); });
   return holes;
@@ -83,8 +110,8 @@ Result<StepOutcome> fill_holes(WorkingSurface& working, const PrepareOptions& op
                                const RunContext& context) {
   const Index vertices = static_cast<Index>(working.surface.V.rows()),
               faces = static_cast<Index>(working.surface.F.rows());
+  std::vector<HoleState> holes = holes_of(working.surface);
   const Incidence incidence(vertices, working.surface.F);
-  std::vector<HoleState> holes = holes_of(working.surface, incidence);
   const auto fits = [&](const HoleState& h) {
     return h.border.size() <= static_cast<std::size_t>(options.fill_holes);
   };

@@ -94,11 +94,11 @@ Joined put_together(WorkingSurface& working, double distance) {
   return out;
 }
 
-Joined split_at_vertices(WorkingSurface& working, double distance) {
+std::int64_t split_at_vertices(WorkingSurface& working, double distance) {
   Surface& s = working.surface;
   const std::vector<Index> border = border_of(s);
   const std::vector<std::vector<Beside>> beside = vertices_beside(s, border, distance);
-  Joined out;
+  std::int64_t split = 0;
   std::vector<Eigen::Vector3d> points;
   std::vector<std::array<Index, 3>> faces;  // behind those that are there
   std::vector<Index> face_of;
@@ -110,7 +110,7 @@ Joined split_at_vertices(WorkingSurface& working, double distance) {
     const int k = border[i] % 3;
     // Of a triangle by itself whose three edges are to be split the third one is not there any more.
     if (beside[i].empty() || s.F(f, (k + 1) % 3) >= vertices) continue;
-    ++out.split;
+    ++split;
     const Index far = s.F(f, (k + 2) % 3), to = s.F(f, (k + 1) % 3);
     // The next edge, if it is to be split, begins where the last piece is; the one after it ends at the
     // first.
@@ -141,7 +141,7 @@ Joined split_at_vertices(WorkingSurface& working, double distance) {
     for (int k = 0; k < 3; ++k) s.F(n + static_cast<Index>(i), k) = faces[i][k];
   working.vertex_of.resize(s.V.rows(), -1);
   working.face_of.insert(working.face_of.end(), face_of.begin(), face_of.end());
-  return out;
+  return split;
 }
 
 std::int64_t put_back(const Joined& joined, const Cleanup& cleaned, Surface& surface) {

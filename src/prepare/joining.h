@@ -17,7 +17,6 @@ namespace overtet {
 struct Joined {
   // Vertices that have been put where another one is, and where they were; ascending.
   std::vector<std::pair<Index, Eigen::Vector3d>> moved;
-  std::int64_t split = 0;  // edges that vertices have been put on
 };
 
 // Vertices on borders that are no farther apart than `distance` are put where the one with the smallest
@@ -25,8 +24,8 @@ struct Joined {
 Joined put_together(WorkingSurface& working, double distance);
 
 // Edges on borders are split at the vertices of other edges that lie within `distance` of them; pieces of a
-// face come last. A new vertex lies exactly where the other one does.
-Joined split_at_vertices(WorkingSurface& working, double distance);
+// face come last. A new vertex lies exactly where the other one does. Returns how many edges were split.
+std::int64_t split_at_vertices(WorkingSurface& working, double distance);
 
 // After a clean-up: vertices that were not merged with another one are put back. Returns how many were
 // merged.

@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "kernels/core/tuning.h"
 #include "kernels/core/union_find.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
@@ -12,7 +13,6 @@
 #include "src/prepare/polygon_meshes.h"
 #include "src/prepare/steps.h"
 #include "src/prepare/surroundings.h"
-#include "src/prepare/tuning.h"
 
 namespace overtet {
 
@@ -44,7 +44,7 @@ std::vector<std::vector<Index>> places_of(const Surface& s, const Incidence& inc
   std::vector<Index> vertices;
   for (const Index f : needles)
     for (int k = 0; k < 3; ++k) vertices.push_back(s.F(f, k));
-  const std::vector<Index> faces = faces_around(s, incidence, std::move(vertices), kNeedleRings);
+  const std::vector<Index> faces = faces_around(s, incidence, std::move(vertices), kRings);
   const Surroundings around = of_faces(s, faces);
   UnionFind sets(around.vertex.size());
   for (Index f = 0; f < around.surface.F.rows(); ++f)

@@ -14,12 +14,10 @@ namespace overtet {
 
 namespace {
 
-constexpr Index kOfSurface = -1;
-
 // Some faces with their vertices numbered anew.
 struct Excerpt {
   Surface surface;
-  std::vector<Index> patch_of;  // #F: or kOfSurface
+  std::vector<Index> patch_of;  // #F: or -1: the surface
   std::vector<Index> face;      // #F: number in the surface, or in the patch
 };
 
@@ -113,7 +111,7 @@ class Trial {
         corners.push_back(at->second);
       }
     };
-    for (const Index f : near_) add(kOfSurface, f, [&](int k) { return surface().F(f, k); });
+    for (const Index f : near_) add(-1, f, [&](int k) { return surface().F(f, k); });
     for (std::size_t p = 0; p < patches_.size(); ++p) {
       const auto patch = static_cast<Index>(p);
       if (old && fate_[p] == PatchFate::crossing)

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <exception>
 #include <iterator>
+#include <map>
 #include <numbers>
 
 #include "src/prepare/tuning.h"
@@ -40,6 +41,36 @@ std::array<Index, 3> corners_of(const Mesh& mesh, Mesh::Face_index f) {
   return corners;
 }
 
+// The half-edges of a border that runs through a vertex twice can be linked in several ways: so that they go
+// around the hole. Returns one of them; none where an edge is not there or has two faces.
+Mesh::Halfedge_index linked_around(Mesh& mesh, const std::vector<Index>& hole) {
+  std::map<std::pair<Index, Index>, Mesh::Halfedge_index> border;
+  std::map<Index, std::vector<Mesh::Halfedge_index>> entering, leaving;
+  for (const Mesh::Halfedge_index h : mesh.halfedges()) {
+    if (!mesh.is_border(h)) continue;
+    const auto from = static_cast<Index>(mesh.source(h).idx()), to = static_cast<Index>(mesh.target(h).idx());
+    border[{from, to}] = h;
+    entering[to].push_back(h);
+    leaving[from].push_back(h);
+  }
+  const std::size_t n = hole.size();
+  std::vector<Mesh::Halfedge_index> around;  // against the faces' direction
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto found = border.find({hole[(i + 1) % n], hole[i]});
+    if (found == border.end()) return Mesh::null_halfedge();
+    around.push_back(found->second);
+  }
+  for (std::size_t i = 0; i < n; ++i) {  // around[i] ends at hole[i], where around[i - 1] begins
+    std::vector<Mesh::Halfedge_index>&in = entering[hole[i]], &out = leaving[hole[i]];
+    std::erase(in, around[i]);
+    std::erase(out, around[(i + n - 1) % n]);
+    mesh.set_next(around[i], around[(i + n - 1) % n]);
+    // What is left, of one other hole, is linked with each other.
+    for (std::size_t k = 0; k < in.size() && k < out.size(); ++k) mesh.set_next(in[k], out[k]);
+  }
+  return around.front();
+}
+
 bool fill(Mesh& mesh, Mesh::Halfedge_index border, Filling filling, std::vector<Mesh::Face_index>& faces) {
   std::size_t edges = 0;
   for (const auto h : CGAL::halfedges_around_face(border, mesh)) (void)h, ++edges;
@@ -63,13 +94,12 @@ bool fill(Mesh& mesh, Mesh::Halfedge_index border, Filling filling, std::vector<
 
 }  // namespace
 
-std::optional<FilledHole> filled(const Surface& around, Index a, Index b, Filling filling) {
+std::optional<FilledHole> filled(const Surface& around, const std::vector<Index>& hole, Filling filling) {
   try {
     Mesh mesh;
     if (!build(around, mesh)) return std::nullopt;
-    const auto edge =
-        mesh.halfedge(Vertex(static_cast<Mesh::size_type>(b)), Vertex(static_cast<Mesh::size_type>(a)));
-    if (edge == Mesh::null_halfedge() || !mesh.is_border(edge)) return std::nullopt;
+    const Mesh::Halfedge_index edge = linked_around(mesh, hole);
+    if (edge == Mesh::null_halfedge()) return std::nullopt;
     std::vector<Mesh::Face_index> faces;
     if (!fill(mesh, edge, filling, faces)) return std::nullopt;
     FilledHole out;

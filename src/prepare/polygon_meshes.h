@@ -17,10 +17,11 @@ struct FilledHole {
   std::vector<std::array<Index, 3>> faces;  // a vertex of the surface, or -1 - i for points[i]
 };
 
-// Fills the hole along whose border a face has the edge from a to b. None where CGAL finds no filling, one
-// that is not finite, or the surface is not manifold there. `refined`: with new vertices, as dense as around
-// the hole; `faired`: they go on from the faces around it smoothly, too.
-std::optional<FilledHole> filled(const Surface& around, Index a, Index b, Filling filling);
+// Fills the hole with these vertices, in the order in which the faces beside it run. None where CGAL finds no
+// filling, one that is not finite, or the surface is not manifold there. (Other holes may have vertices in
+// common with it.) `refined`: with new vertices, as dense as around the hole; `faired`: they go on from the
+// faces around it smoothly, too.
+std::optional<FilledHole> filled(const Surface& around, const std::vector<Index>& hole, Filling filling);
 
 struct NeedleLimits {
   double degrees = 1;  // a face with an angle below that is a needle

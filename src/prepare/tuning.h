@@ -8,8 +8,5 @@ namespace overtet {
 // Edges of the largest hole for which all triangulations are searched where the Delaunay tetrahedra of its
 // vertices have none: that takes the cube of their number, a second for so many.
 constexpr std::size_t kCubicEdges = 500;
-// Rings of faces around a needle that its surroundings have: one that changes when an edge of it is
-// collapsed, and one for its neighbours to be collapsed, too.
-constexpr int kNeedleRings = 2;
 
 }  // namespace overtet

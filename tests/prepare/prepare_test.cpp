@@ -97,7 +97,8 @@ TEST(Prepare, FillsHolesAndChangesNothingElse) {
   EXPECT_EQ(p.steps[0].done, 3);
   EXPECT_EQ(p.steps[0].left, 0);
   // Fair: the volume is nearly the ball's, of which a flat filling of the first hole alone lacks .6 %.
-  EXPECT_NEAR(test::signed_volume(p.result.surface), test::signed_volume(ball), 3e-3 * test::signed_volume(ball));
+  EXPECT_NEAR(test::signed_volume(p.result.surface), test::signed_volume(ball),
+              3e-3 * test::signed_volume(ball));
 }
 
 TEST(Prepare, LeavesHolesWithMoreEdgesAndSaysWhere) {
@@ -116,8 +117,8 @@ TEST(Prepare, LeavesHolesWithMoreEdgesAndSaysWhere) {
 
 // A ball sits in the hole: every filling passes through it.
 TEST(Prepare, NeverCrossesAnythingUnlessAllowed) {
-  const Surface open =
-      joined(without_ball(test::sphere(4), {0, 0, 1}, 0.3), test::sphere(2, 0.2, Eigen::Vector3d(0, 0, 0.97)));
+  const Surface open = joined(without_ball(test::sphere(4), {0, 0, 1}, 0.3),
+                              test::sphere(2, 0.2, Eigen::Vector3d(0, 0, 0.97)));
   const Preparation p = prepared(open, filling(200));
   EXPECT_EQ(p.steps[0].done, 0);
   EXPECT_EQ(p.steps[0].left, 1);
@@ -134,8 +135,8 @@ TEST(Prepare, NeverCrossesAnythingUnlessAllowed) {
 
 // The ball only reaches into the bulge of a fair filling: a flat one passes below it.
 TEST(Prepare, FillsFlatWhereSmoothWouldCross) {
-  const Surface open =
-      joined(without_ball(test::sphere(4), {0, 0, 1}, 0.3), test::sphere(1, 0.01, Eigen::Vector3d(0, 0, 0.995)));
+  const Surface open = joined(without_ball(test::sphere(4), {0, 0, 1}, 0.3),
+                              test::sphere(1, 0.01, Eigen::Vector3d(0, 0, 0.995)));
   const Preparation p = prepared(open, filling(200));
   EXPECT_EQ(p.steps[0].done, 1);
   EXPECT_TRUE(p.remaining.empty());
@@ -157,11 +158,11 @@ TEST(Prepare, RandomHoles) {
   const std::uint64_t seed = 20261130;
   std::mt19937_64 random(seed);
   int filled = 0, all = 0;
-  for (const Surface& s : {test::torus(), test::curled_worm(), test::two_spheres(), test::elbow(), test::bent_slab(),
-                           test::sphere_with_cavity(), test::capsule(), test::box(6)})
+  for (const Surface& s : {test::torus(), test::curled_worm(), test::two_spheres(), test::elbow(),
+                           test::bent_slab(), test::sphere_with_cavity(), test::capsule(), test::box(6)})
     for (int round = 0; round < 4; ++round) {
-      SCOPED_TRACE("seed " + std::to_string(seed) + ", surface of " + std::to_string(s.F.rows()) + " faces, round " +
-                   std::to_string(round));
+      SCOPED_TRACE("seed " + std::to_string(seed) + ", surface of " + std::to_string(s.F.rows()) +
+                   " faces, round " + std::to_string(round));
       std::set<Index> gone;
       for (int i = 0; i < 3; ++i) {
         const Index f = std::uniform_int_distribution<Index>(0, static_cast<Index>(s.F.rows()) - 1)(random);
@@ -207,7 +208,8 @@ TEST(Prepare, WeldsCracks) {
   EXPECT_GT(p.steps[0].done, 10);
   // Only vertices along the crack have moved, and by no more than allowed.
   for (const Index v : p.moved)
-    EXPECT_LE((p.result.surface.V.row(v) - open.V.row(p.result.vertex_of[v])).norm(), 2e-4 * 2 * std::sqrt(3) + 1e-12);
+    EXPECT_LE((p.result.surface.V.row(v) - open.V.row(p.result.vertex_of[v])).norm(),
+              2e-4 * 2 * std::sqrt(3) + 1e-12);
   EXPECT_LE(static_cast<std::int64_t>(p.moved.size()), p.steps[0].done);
   o.weld = 1e-6;
   const Preparation q = prepared(open, o);
@@ -331,7 +333,8 @@ TEST(Prepare, CollapsesNeedles) {
 
 TEST(Prepare, AllTogetherOnAnyNumberOfThreads) {
   Surface s = cracked(without_ball(test::sphere(4), {0.6, 0.8, 0}, 0.2), 1e-5, 3);
-  s = joined(with_needles(s, 1000, 1e-6), some_faces(shifted(test::box(1), 5, 0, 0), [](Index f) { return f < 3; }));
+  s = joined(with_needles(s, 1000, 1e-6),
+             some_faces(shifted(test::box(1), 5, 0, 0), [](Index f) { return f < 3; }));
   Preparation results[2];
   for (const int threads : {1, 4}) {
     RunContext context;
@@ -366,7 +369,8 @@ TEST(Prepare, TakesSurfacesThatACleanUpRefuses) {
   const Preparation p = prepared(s, o);
   EXPECT_FALSE(p.result.defects.empty());
   EXPECT_GT(p.result.surface.F.rows(), 0);
-  for (Index f = 0; f < p.result.surface.F.rows(); ++f) EXPECT_EQ(corners(p.result.surface, f), corners(s, p.result.face_of[f]));
+  for (Index f = 0; f < p.result.surface.F.rows(); ++f)
+    EXPECT_EQ(corners(p.result.surface, f), corners(s, p.result.face_of[f]));
 }
 
 TEST(Prepare, RefusesWhatItCannotDo) {
