@@ -6,8 +6,9 @@ namespace overtet {
 
 std::string mend_of(const Defect& defect, bool refused) {
   if (is_mended(defect.kind))
-    return refused ? "The clean-up mends it as soon as nothing else is in its way; overtet prepare runs it, too."
-                   : "The clean-up has mended it.";
+    return refused
+               ? "The clean-up mends it as soon as nothing else is in its way; overtet prepare runs it, too."
+               : "The clean-up has mended it.";
   switch (defect.kind) {
     case DefectKind::hole: {
       std::int64_t edges = 3;
@@ -31,7 +32,8 @@ std::string mend_of_flat_faces() { return "overtet prepare --collapse-needles ta
 
 std::string mend_of_thin_spots() {
   return "No step mends it, and it is no fault: tets there are as small as the wall is thin. Where it is not "
-         "meant, make it thicker; parts that only dangle go with overtet prepare --remove-small or --largest.";
+         "meant, make it thicker; parts that only dangle go with overtet prepare --remove-small or "
+         "--largest.";
 }
 
 }  // namespace overtet

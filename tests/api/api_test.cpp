@@ -226,7 +226,7 @@ Surface squashed(Surface s, double by) {
 
 TEST(Diagnose, ThinSpots) {
   for (const Surface& s : {test::sphere(3), test::torus(), test::box(4), test::curled_worm(),
-                           test::two_spheres(), test::sphere_with_cavity(3, 0.9)})
+                           test::two_spheres(), test::sphere_with_cavity(3, 0.7)})
     EXPECT_TRUE(diagnose(s).value().thin_spots.empty());
   // A plate is thin nearly everywhere; what is near its edge is thinner still.
   const Surface plate = squashed(test::box(6), 5e-4);

@@ -143,6 +143,32 @@ TEST(Prepare, FillsFlatWhereSmoothWouldCross) {
   EXPECT_EQ(new_crossings(p), 0u);
 }
 
+// Two holes with one vertex in common are two holes, and that is one vertex again.
+TEST(Prepare, FillsHolesThatTouchInAVertex) {
+  const Surface ball = test::sphere(3);
+  const Index v = 100;
+  std::vector<Index> around;  // faces at the vertex, in order
+  for (Index f = 0; f < ball.F.rows(); ++f)
+    if ((ball.F.row(f).array() == v).any()) around.push_back(f);
+  ASSERT_EQ(around.size(), 6u);
+  const auto beside = [&](Index f, Index g) {
+    int n = 0;
+    for (int i = 0; i < 3; ++i) n += (ball.F.row(g).array() == ball.F(f, i)).any() ? 1 : 0;
+    return n == 2;
+  };
+  const Index gone = around[0];
+  const auto other =
+      std::find_if(around.begin() + 1, around.end(), [&](Index g) { return !beside(gone, g); });
+  ASSERT_NE(other, around.end());
+  const Surface open = some_faces(ball, [&](Index f) { return f != gone && f != *other; });
+  const Preparation p = prepared(open, filling(3));
+  EXPECT_EQ(p.steps[0].done, 2);
+  EXPECT_TRUE(p.remaining.empty());
+  EXPECT_EQ(p.result.surface.V.rows(), ball.V.rows());
+  EXPECT_EQ(p.result.surface.F.rows(), ball.F.rows());
+  EXPECT_EQ(what_changed(p, open), "");
+}
+
 // One flat sheet would be filled by its own copy.
 TEST(Prepare, LeavesFlatSheetsOpen) {
   const Surface box = test::box(3);
@@ -268,6 +294,27 @@ TEST(Prepare, ClosesCracksWhereVerticesLieBesideEdges) {
   // Pieces lead to the face that they are of: all given faces are there.
   std::set<Index> there(p.result.face_of.begin(), p.result.face_of.end());
   EXPECT_EQ(static_cast<Index>(there.size()), open.F.rows());
+}
+
+// The sides do not quite meet.
+TEST(Prepare, ClosesCracksWithAGap) {
+  Surface open = box_of_sides({4, 3, 2, 4, 1, 3});
+  Index v = 0;
+  for (const int cells : {4, 3, 2, 4, 1, 3}) {
+    const Index end = v + (cells + 1) * (cells + 1);
+    const Eigen::RowVector3d out =
+        (open.V.row(v) + open.V.row(end - 1)) / 2 - Eigen::RowVector3d(0.5, 0.5, 0.5);
+    for (; v < end; ++v) open.V.row(v) += 0.01 * out;
+  }
+  PrepareOptions o;
+  o.close_cracks = true;
+  o.tolerance = 0.01;  // of a diagonal of 1.75
+  const Preparation p = prepared(open, o);
+  EXPECT_TRUE(p.remaining.empty()) << p.remaining.front().message;
+  EXPECT_NEAR(test::signed_volume(p.result.surface), 1.01, 0.02);
+  EXPECT_TRUE(find_self_intersections(p.result.surface.V, p.result.surface.F).empty());
+  for (const Index u : p.moved)
+    EXPECT_LE((p.result.surface.V.row(u) - open.V.row(p.result.vertex_of[u])).norm(), 0.0176);
 }
 
 TEST(Prepare, DropsSmallComponents) {

@@ -96,7 +96,7 @@ TEST_F(PrepareProgram, InspectNamesWhatMends) {
 }
 
 TEST_F(PrepareProgram, InspectListsThinSpots) {
-  const Surface shell = test::sphere_with_cavity(3, 0.9995);
+  const Surface shell = test::joined(test::sphere(3), test::flipped(test::sphere(3, 0.9995)));
   ASSERT_TRUE(write_surface(file("in.obj"), shell, SurfaceFormat::obj).ok());
   const std::string text = run("inspect " + file("in.obj")).out;
   EXPECT_NE(text.find("thin        1 spot where"), std::string::npos) << text;
