@@ -168,16 +168,18 @@ class Preparing {
   }
 
   Status weld(double distance, PrepareRecord& record) {
-    const Joined joined = put_together(working_, distance);
-    return clean(&joined, record);
+    const Result<Joined> joined = put_together(working_, distance, context_);
+    if (!joined) return joined.error();
+    return clean(&joined.value(), record);
   }
 
   Status close_cracks(double distance, PrepareRecord& record) {
     // One clean-up for both: the ends of a crack whose sides have other edges are merged only once these are
     // split.
-    const Joined joined = put_together(working_, distance);
+    const Result<Joined> joined = put_together(working_, distance, context_);
+    if (!joined) return joined.error();
     record.figures.emplace_back("edges_split", split_at_vertices(working_, distance));
-    return clean(&joined, record);
+    return clean(&joined.value(), record);
   }
 
   void finish(const Surface& given, Preparation& out) {

@@ -5,6 +5,7 @@
 
 #include "kernels/bvh/box_tree.h"
 #include "kernels/near_points/near_points.h"
+#include "kernels/parallel/tuning.h"
 #include "src/mesh/topology.h"
 
 namespace overtet {
@@ -66,7 +67,7 @@ std::vector<std::vector<Beside>> vertices_beside(const Surface& s, const std::ve
 
 }  // namespace
 
-Joined put_together(WorkingSurface& working, double distance) {
+Result<Joined> put_together(WorkingSurface& working, double distance, const RunContext& context) {
   Surface& s = working.surface;
   const std::vector<Index> vertices = border_vertices(s.F, border_of(s));
   VertexMatrix points(static_cast<Index>(vertices.size()), 3);
@@ -77,6 +78,8 @@ Joined put_together(WorkingSurface& working, double distance) {
   std::vector<char> taken(vertices.size(), 0);
   std::vector<Index> found;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
+    if (i % kLightGrain == 0)
+      if (auto stop = context.stop()) return *stop;
     if (taken[i]) continue;
     taken[i] = 1;
     const Eigen::Vector3d p = points.row(static_cast<Index>(i));

@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "overtet/result.h"
+#include "overtet/run_context.h"
 #include "src/prepare/working_surface.h"
 
 namespace overtet {
@@ -20,8 +22,8 @@ struct Joined {
 };
 
 // Vertices on borders that are no farther apart than `distance` are put where the one with the smallest
-// number is; none moves farther. O(n log n) for n border vertices.
-Joined put_together(WorkingSurface& working, double distance);
+// number is; none moves farther. O(n log n) for n border vertices. Errors: limit, interrupted.
+Result<Joined> put_together(WorkingSurface& working, double distance, const RunContext& context);
 
 // Edges on borders are split at the vertices of other edges that lie within `distance` of them; pieces of a
 // face come last. A new vertex lies exactly where the other one does. Returns how many edges were split.
