@@ -60,7 +60,11 @@ struct Defect {
 };
 
 struct CleanupOptions {
-  bool strict = false;   // what would be mended is a problem, too
+  bool strict = false;  // what would be mended is a problem, too
+  // What is beyond a clean-up is a defect, but no problem: the surface is cleaned as far as that goes. Holes
+  // stay; an edge whose faces cannot be paired comes apart, each face with a border of its own there.
+  // Components are turned outwards only where nothing is open. One-sided ones are a problem still.
+  bool allow_open = false;
   int most_places = 10;  // of each kind that are listed, 1 to 1000000
 
   Status validate() const;  // Errors: usage.

@@ -29,8 +29,18 @@ const char* verdict_name(Verdict verdict);
 
 struct ComponentDiagnosis {
   Index faces = 0, vertices = 0;
-  Index genus = 0;
-  std::optional<double> signed_volume;  // in cubed units; negative: it faces inwards; none: not computed
+  Index genus = 0;  // -1: the surface is not closed, oriented and manifold
+  // In cubed units; negative: it faces inwards; none: not computed, or the surface is not closed.
+  std::optional<double> signed_volume;
+};
+
+// Where the solid is thin: faces that face away from each other, the inside between them, with no vertex in
+// common. Found by rays from faces and vertices, in doubles. Faces that cross others are left out.
+struct ThinSpot {
+  Index face = -1, across = -1;      // where it is thinnest
+  std::array<double, 3> position{};  // on `face`
+  double thickness = 0;              // there, against the normal
+  Index faces = 0;                   // how many faces are thin there, of both sides
 };
 
 // An edge at a hinge, and how often something may turn around it.
@@ -68,7 +78,7 @@ struct SurfaceDiagnosis {
   Index vertices = 0, faces = 0;
   bool closed = false, manifold = false, oriented = false;
   std::vector<std::string> problems;           // of the topology, the first of each kind
-  std::vector<ComponentDiagnosis> components;  // by smallest face; where closed, manifold and oriented
+  std::vector<ComponentDiagnosis> components;  // by smallest face; faces that hang together at vertices
   std::vector<Index> degenerate_faces;         // without area
 
   // From here on: empty for `bad_input`.
@@ -82,6 +92,8 @@ struct SurfaceDiagnosis {
   std::vector<std::vector<Index>> odd_groups;
   std::vector<Index> crowded, unfillable, unmet;
   Curves curves;
+  std::vector<ThinSpot> thin_spots;  // thinner than thin_limit, the thinnest first
+  double thin_limit = 0;             // a length: a thousandth of the diagonal
 };
 
 // What is wrong with the surface is in the diagnosis. Errors: limit, interrupted, internal. Never throws.

@@ -4,6 +4,7 @@
 //   result.h        Result, Error: nothing is thrown for what can go wrong
 //   run_context.h   limits, cancellation, threads, progress, log
 //   cleanup.h       clean_up()
+//   prepare.h       prepare(): cracks closed, holes filled, ...
 //   meshing.h       tetrahedralize()
 //   diagnosis.h     diagnose()
 //   certificate.h   why there is no mesh
@@ -25,6 +26,7 @@
 #include "overtet/diagnosis.h"
 #include "overtet/io.h"
 #include "overtet/meshing.h"
+#include "overtet/prepare.h"
 #include "overtet/repair.h"
 #include "overtet/report.h"
 #include "overtet/result.h"

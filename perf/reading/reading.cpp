@@ -1,11 +1,12 @@
 // Measures how long surfaces take to be read, and to be cleaned up, format by format:
 //
-//   perf_reading [--faces N] [--threads N] [--repeat N] [--folder DIR] [FILE...]
+//   perf_reading [--faces N] [--threads N] [--repeat N] [--folder DIR] [--cgal] [FILE...]
 //
 // Without files, a torus of N faces (default: a million) is written in every format, to DIR (default: the
 // system's temporary folder) and read from there; also with vertices of its own for each face, which is what
 // cleaning takes longest for. The best of some runs is printed: MiB, and the wall and CPU seconds to read and
 // to clean up.
+// --cgal: the same for CGAL's readers (one thread).
 // The files stay where they are when a folder is named, so that other programs can be measured on them.
 #include <algorithm>
 #include <chrono>
@@ -22,6 +23,7 @@
 
 #include "overtet/cleanup.h"
 #include "overtet/io.h"
+#include "perf/reading/cgal.h"
 
 namespace {
 
@@ -30,6 +32,7 @@ namespace fs = std::filesystem;
 
 struct Settings {
   int faces = 1'000'000, threads = 0, repeat = 3;
+  bool cgal = false;
   std::string folder;
   std::vector<std::string> files;
 };
@@ -158,6 +161,17 @@ void measure(const std::string& path, const Settings& settings) {
               read_cpu, clean_best, clean_cpu, what.c_str());
 }
 
+void measure_cgal(const std::string& path, int repeat) {
+  double best = HUGE_VAL;
+  std::size_t faces = 0;
+  for (int i = 0; i < repeat; ++i) {
+    const std::clock_t start = std::clock();
+    faces = faces_read_by_cgal(path);
+    best = std::min(best, static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
+  }
+  std::printf("%-16s CGAL: read, CPU %6.3f s  %zu faces\n", fs::path(path).filename().c_str(), best, faces);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -170,6 +184,8 @@ int main(int argc, char** argv) {
       settings.threads = std::atoi(next());
     else if (!std::strcmp(argv[i], "--repeat"))
       settings.repeat = std::max(1, std::atoi(next()));
+    else if (!std::strcmp(argv[i], "--cgal"))
+      settings.cgal = true;
     else if (!std::strcmp(argv[i], "--folder"))
       settings.folder = next();
     else
@@ -184,6 +200,9 @@ int main(int argc, char** argv) {
     }
     settings.files = written(settings);
   }
-  for (const std::string& file : settings.files) measure(file, settings);
+  for (const std::string& file : settings.files) {
+    measure(file, settings);
+    if (settings.cgal) measure_cgal(file, settings.repeat);
+  }
   if (!temporary.empty()) fs::remove_all(temporary);
 }

@@ -1,5 +1,8 @@
+#include "kernels/core/union_find.h"
 #include "overtet/diagnosis.h"
 #include "src/api/guarded.h"
+#include "src/mesh/thin_spots.h"
+#include "src/mesh/tuning.h"
 #include "src/pipeline/inspection.h"
 
 namespace overtet {
@@ -13,7 +16,25 @@ std::vector<std::array<Index, 2>> arrays_of(const std::vector<FacePair>& pairs) 
   return out;
 }
 
-void add_shape(SurfaceDiagnosis& out, const Diagnosis& d) {
+// Of a surface that is not closed, oriented and manifold.
+void add_open_components(SurfaceDiagnosis& out, const Surface& s) {
+  UnionFind sets(static_cast<std::size_t>(s.V.rows()));
+  for (Index f = 0; f < s.F.rows(); ++f)
+    for (int k = 1; k < 3; ++k) sets.join_smaller(s.F(f, 0), s.F(f, k));
+  std::vector<Index> number(s.V.rows(), -1);  // of a root
+  for (Index f = 0; f < s.F.rows(); ++f) {
+    Index& n = number[sets.root(s.F(f, 0))];
+    if (n < 0) {
+      n = static_cast<Index>(out.components.size());
+      out.components.push_back({0, 0, -1, std::nullopt});
+    }
+    ++out.components[n].faces;
+  }
+  for (Index v = 0; v < s.V.rows(); ++v)
+    if (const Index n = number[sets.root(v)]; n >= 0) ++out.components[n].vertices;
+}
+
+void add_shape(SurfaceDiagnosis& out, const Surface& surface, const Diagnosis& d) {
   const TopologyCheck& t = d.topology;
   out.vertices = d.vertices;
   out.faces = d.faces;
@@ -22,7 +43,10 @@ void add_shape(SurfaceDiagnosis& out, const Diagnosis& d) {
   out.oriented = t.oriented;
   out.problems = t.problems;
   out.degenerate_faces = d.degenerate_faces;
-  if (!t.ok()) return;
+  if (!t.ok()) {
+    if (t.indices_valid && t.finite) add_open_components(out, surface);
+    return;
+  }
   for (std::size_t c = 0; c < t.topology.components.size(); ++c) {
     const SurfaceComponent& one = t.topology.components[c];
     out.components.push_back({one.faces, one.vertices, one.genus, std::nullopt});
@@ -62,11 +86,15 @@ Result<SurfaceDiagnosis> diagnose(const Surface& surface, const RunContext& oute
     out.message = found.problem ? found.problem->message : d.message;
     out.certificate = d.certificate;
     out.advice = d.advice;
-    add_shape(out, d);
+    add_shape(out, surface, d);
     if (!found.usable()) return out;
     Result<CloseLook> look = look_closely(surface, found, context);
     if (!look) return look.error();
     add_crossings(out, d, std::move(look).value());
+    out.thin_limit = kThinWall * (surface.V.colwise().maxCoeff() - surface.V.colwise().minCoeff()).norm();
+    std::vector<std::uint8_t> crossing(surface.F.rows(), 0);
+    for (const auto& [f, g] : d.pairs) crossing[f] = crossing[g] = 1;
+    out.thin_spots = find_thin_spots(surface, *d.bvh, out.thin_limit, crossing);
     return out;
   });
 }

@@ -120,7 +120,8 @@ bool is_sane(const Surface& s) {
 
 class Cleaner {
  public:
-  Cleaner(const Surface& given, const CleanupOptions& options) : given_(given), notes_(given, options) {}
+  Cleaner(const Surface& given, const CleanupOptions& options)
+      : given_(given), notes_(given, options), allow_open_(options.allow_open) {}
 
   // What is wrong beyond mending is in the notes; the surface then is not there.
   Status run(const RunContext& context, Cleanup& out) {
@@ -137,10 +138,11 @@ class Cleaner {
     if (auto stop = context.stop()) return *stop;
     split_edges(out);
     note_what_is_open();
-    if (notes_.beyond()) return success();
+    const bool open = notes_.beyond();
+    if (open && (!allow_open_ || !faces_.oriented.one_sided.empty())) return success();
     note_turned_faces();
     note_vertices(out);
-    return turn_inward_components(context, out);
+    return turn_components(open, context, out);
   }
 
   Notes& notes() { return notes_; }
@@ -209,12 +211,13 @@ class Cleaner {
           open = true;
         else if (!pair(others[i], sector[i]))
           fails[i] = 1, open = true;
-      if (!open) make_vertices(out);
-      const bool met = !open && (faces_.edges.merges || !others.empty());
+      if (!open || allow_open_) make_vertices(out);
+      const bool met = (!open || allow_open_) && (faces_.edges.merges || !others.empty());
       const RawEdges now = met ? find_edges(out.surface.V, out.surface.F) : RawEdges{};
       std::vector<char> is_met(met ? faces_.F.size() : 0, 0);
       for (const EdgeGroup& g : now.others)
-        for (Index i = g.begin; i < g.begin + g.count; ++i) is_met[now.list[i]] = 1;
+        for (Index i = g.begin; i < g.begin + g.count && is_one_edge(out.surface.F, now, g); ++i)
+          is_met[now.list[i]] = 1;
       for (std::size_t i = 0; met && i < others.size(); ++i)
         if (sector[i] == Sector::solid && is_met[faces_.edges.list[others[i].begin]])
           sector[i] = Sector::gap, again = true;
@@ -222,8 +225,22 @@ class Cleaner {
       for (std::size_t i = 0; i < others.size(); ++i)
         if (others[i].count % 2 == 0)
           note_edge(fails[i] ? DefectKind::unpaired_edge : DefectKind::crowded_edge, others[i]);
-      for (const EdgeGroup& g : now.others) note_met(now, g);
+      for (const EdgeGroup& g : now.others)
+        if (is_one_edge(out.surface.F, now, g)) note_met(now, g);
     }
+  }
+
+  // Whether an even number of faces have the edge, with the same two vertices: where nothing is open, all
+  // that is not an edge of two.
+  static bool is_one_edge(const TriangleMatrix& F, const RawEdges& edges, const EdgeGroup& g) {
+    if (g.count % 2 == 1) return false;
+    const auto ends = [&](Index i) {
+      const Index h = edges.list[i];
+      return std::minmax({half_edge_source(F, h), half_edge_target(F, h)});
+    };
+    for (Index i = g.begin + 1; i < g.begin + g.count; ++i)
+      if (ends(i) != ends(g.begin)) return false;
+    return true;
   }
 
   // False where the faces cannot be paired.
@@ -334,12 +351,11 @@ class Cleaner {
     }
   }
 
-  Status turn_inward_components(const RunContext& context, Cleanup& out) {
-    TriangleMatrix& F = out.surface.F;
-    std::vector<char>& turned = faces_.oriented.turned;
-    for (Index f = 0; f < F.rows(); ++f)
-      if (turned[f]) std::swap(F(f, 1), F(f, 2));
-    std::vector<Index> component_of(F.rows(), -1), first, stack;
+  // Of the faces that hang together the first one each; component_of: of each face.
+  std::vector<Index> find_components(std::vector<Index>& component_of) const {
+    std::vector<Index> first, stack;
+    const TriangleMatrix& F = faces_.F;
+    component_of.assign(F.rows(), -1);
     for (Index start = 0; start < F.rows(); ++start) {
       if (component_of[start] >= 0) continue;
       const auto c = static_cast<Index>(first.size());
@@ -349,21 +365,37 @@ class Cleaner {
         const Index f = stack.back();
         stack.pop_back();
         for (int k = 0; k < 3; ++k) {
-          const Index g = half_edge_face(faces_.edges.partner[3 * f + k]);
+          const Index h = faces_.edges.partner[3 * f + k];
+          if (h < 0) continue;
+          const Index g = half_edge_face(h);
           if (component_of[g] < 0) component_of[g] = c, stack.push_back(g);
         }
       }
     }
-    const Result<std::vector<Index>> inward =
-        inward_components(out.surface, component_of, static_cast<Index>(first.size()), context);
-    if (!inward) return inward.error();
-    std::vector<char> turn(first.size(), 0);
-    for (const Index c : inward.value()) {
-      turn[c] = 1;
-      notes_.add(DefectKind::inward_component, {}, {faces_.kept[first[c]]});
+    return first;
+  }
+
+  // Faces as their neighbours are, then components outwards; open: only the former.
+  Status turn_components(bool open, const RunContext& context, Cleanup& out) {
+    TriangleMatrix& F = out.surface.F;
+    std::vector<char>& turned = faces_.oriented.turned;
+    for (Index f = 0; f < F.rows(); ++f)
+      if (turned[f]) std::swap(F(f, 1), F(f, 2));
+    std::vector<Index> component_of, first;
+    std::vector<char> turn;
+    if (!open) {
+      first = find_components(component_of);
+      turn.resize(first.size(), 0);
+      const Result<std::vector<Index>> inward =
+          inward_components(out.surface, component_of, static_cast<Index>(first.size()), context);
+      if (!inward) return inward.error();
+      for (const Index c : inward.value()) {
+        turn[c] = 1;
+        notes_.add(DefectKind::inward_component, {}, {faces_.kept[first[c]]});
+      }
     }
     for (Index f = 0; f < F.rows(); ++f) {
-      if (turn[component_of[f]]) {
+      if (!open && turn[component_of[f]]) {
         std::swap(F(f, 1), F(f, 2));
         turned[f] = !turned[f];
       }
@@ -376,6 +408,7 @@ class Cleaner {
   const Surface& given_;
   Faces faces_;
   Notes notes_;
+  bool allow_open_;
 };
 
 // A map that changes nothing is left out.
@@ -391,11 +424,13 @@ std::string counted(const Defect& d) {
   return std::to_string(d.count) + " " + (d.count == 1 ? name.one : name.many);
 }
 
-void refuse(bool strict, Cleanup& out) {
+void refuse(const CleanupOptions& options, Cleanup& out) {
   const Defect* first = nullptr;
-  for (const Defect& d : out.defects)
-    if (!is_mended(d.kind) && !first) first = &d;
-  if (!first && strict && !out.defects.empty()) first = &out.defects[0];
+  for (const Defect& d : out.defects) {
+    const bool open = d.kind >= DefectKind::odd_edge && d.kind <= DefectKind::unpaired_edge;
+    if (!is_mended(d.kind) && !first && !(open && options.allow_open)) first = &d;
+  }
+  if (!first && options.strict && !out.defects.empty()) first = &out.defects[0];
   if (!first) return;
   Error error{ErrorCode::bad_input, first->message};
   if (is_mended(first->kind)) error.message.insert(0, "A clean-up is needed, but not allowed. ");
@@ -422,7 +457,7 @@ Result<Cleanup> clean(const Surface& given, const CleanupOptions& options, const
   if (!is_sane(given))
     if (const TopologyCheck check = check_topology(given); !check.problems.empty())
       out.defects[0].message = check.problems.front();
-  refuse(options.strict, out);
+  refuse(options, out);
   if (out.problem) {
     out.vertex_of.clear(), out.face_of.clear(), out.turned.clear(), out.merged.clear();
     out.surface = given;
@@ -446,14 +481,14 @@ Status CleanupOptions::validate() const {
 
 std::string Cleanup::summary() const {
   if (!changed()) return {};
-  std::string text = "Cleaned up: ";
-  const char* comma = "";
+  std::string text;
+  const char* comma = "Cleaned up: ";
   for (const Defect& d : defects) {
     if (!is_mended(d.kind)) continue;
     text += comma + counted(d);
     comma = ", ";
   }
-  return text + ".";
+  return text.empty() ? text : text + ".";
 }
 
 Result<Cleanup> clean_up(const Surface& surface, const CleanupOptions& options, const SurfaceSource& source,
@@ -474,7 +509,7 @@ SurfaceSource source_of(const Cleanup& cleaned, const SurfaceSource& source) {
   const auto through = [](const std::vector<Index>& map, const auto& in_file) {
     std::vector<Index> all;
     all.reserve(map.size());
-    for (const Index i : map) all.push_back(in_file(i));
+    for (const Index i : map) all.push_back(i < 0 ? -1 : in_file(i));
     return all;
   };
   if (!cleaned.vertex_of.empty())

@@ -15,7 +15,8 @@ std::vector<NumberRun> runs_of(Index n, const InFile& in_file) {
     const std::int64_t number = in_file(i);
     Index end = i + 1;
     while (end < n && in_file(end) == number) ++end;
-    if (!runs.empty() && runs.back().each == end - i && runs.back().in_file + runs.back().count == number)
+    if (!runs.empty() && runs.back().in_file >= 0 && runs.back().each == end - i &&
+        runs.back().in_file + runs.back().count == number)
       ++runs.back().count;
     else
       runs.push_back({i, number, 1, end - i});

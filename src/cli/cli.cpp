@@ -178,6 +178,89 @@ CLI::App* add_repair(CLI::App& app, RepairCommand& repair) {
   return command;
 }
 
+// What the words say, as they come; read_steps() puts them together.
+struct PrepareWords {
+  double weld = 0, tolerance = 0, needle_angle = 0;
+  Index remove_small = 0, fill_holes = 0;
+  bool all = false, close_cracks = false, largest = false, collapse_needles = false;
+};
+
+void add_steps(CLI::App* command, PrepareWords& w) {
+  command
+      ->add_option("--weld", w.weld,
+                   "Merge vertices along borders that are no farther apart than this, in percent of the "
+                   "diagonal of the bounding box")
+      ->check(between(1e-9, 10));
+  command->add_flag("--close-cracks", w.close_cracks,
+                    "Merge vertices along borders within the tolerance, and split edges there at vertices "
+                    "beside them");
+  command
+      ->add_option("--remove-small", w.remove_small,
+                   "Drop components with fewer faces than this (never the one with the largest area)")
+      ->check(between(1, 2e9));
+  command->add_flag("--largest", w.largest,
+                    "Drop all components but the one with the largest area; its cavities, too");
+  command
+      ->add_option("--fill-holes", w.fill_holes,
+                   "Fill holes of at most so many edges, smoothly; where a filling would cross or touch "
+                   "something, the hole stays")
+      ->check(between(3, 5000));
+  command->add_flag("--collapse-needles", w.collapse_needles,
+                    "Collapse or flip faces with a very small angle where that moves the surface by no more "
+                    "than the tolerance and crosses nothing new");
+  command->add_flag("--all", w.all,
+                    "--close-cracks --remove-small 10 --fill-holes 100 --collapse-needles; each can be given "
+                    "another number beside it");
+  command
+      ->add_option("--tolerance", w.tolerance,
+                   "Of --close-cracks and --collapse-needles, in percent of the diagonal (default: 0.01)")
+      ->check(between(1e-9, 10));
+  command
+      ->add_option("--needle-angle", w.needle_angle,
+                   "A face with a smaller angle is a needle, in degrees (default: 1)")
+      ->check(between(1e-3, 30));
+}
+
+PrepareOptions read_steps(const PrepareWords& w) {
+  PrepareOptions o = w.all ? PrepareOptions::all() : PrepareOptions{};
+  o.close_cracks = o.close_cracks || w.close_cracks;
+  o.collapse_needles = o.collapse_needles || w.collapse_needles;
+  o.largest = w.largest;
+  if (w.weld > 0) o.weld = w.weld / 100;
+  if (w.remove_small > 0) o.remove_small = w.remove_small;
+  if (w.fill_holes > 0) o.fill_holes = w.fill_holes;
+  if (w.tolerance > 0) o.tolerance = w.tolerance / 100;
+  if (w.needle_angle > 0) o.needle_degrees = w.needle_angle;
+  return o;
+}
+
+CLI::App* add_prepare(CLI::App& app, PrepareCommand& prepare, PrepareWords& words) {
+  CLI::App* command = app.add_subcommand(
+      "prepare", "Make a raw surface usable: close cracks, fill holes, drop specks, collapse needles");
+  command->add_option("INPUT", prepare.input, surface_help())->required();
+  command
+      ->add_option("--output,-o", prepare.output,
+                   "Prepared surface: .off, .obj or .ply; with .gz: compressed")
+      ->required();
+  add_steps(command, words);
+  command->add_flag("--allow-crossings", prepare.options.allow_crossings, "Let fillings cross the surface");
+  command->add_option("--report", prepare.report, "Write a JSON report to this file");
+  command->add_option(
+      "--save-map", prepare.save_map,
+      "Write the numbers that the vertices and faces of the prepared surface have in the file "
+      "(-1: new ones): JSON");
+  command
+      ->add_option("--places", prepare.options.most_places,
+                   "How many of the places that a step left as they are to list in the report")
+      ->check(between(1, 1000000))
+      ->capture_default_str();
+  command->footer(
+      "The clean-up that changes no shape runs before and after each step. Steps run in the order above. "
+      "What "
+      "none of them names stays as it is, to the last bit.");
+  return command;
+}
+
 CLI::App* add_verify(CLI::App& app, VerifyCommand& verify) {
   CLI::App* command = app.add_subcommand("verify", "Check a tet mesh against its surface, exactly");
   command->add_option("SURFACE", verify.surface, surface_help())->required();
@@ -236,6 +319,8 @@ int parse_and_run(int argc, char** argv) {
   MeshCommand mesh;
   InspectCommand inspect;
   RepairCommand repair;
+  PrepareCommand prepare;
+  PrepareWords prepare_words;
   VerifyCommand verify;
   ConvertCommand convert;
   CLI::App* mesh_app = add_mesh(app, mesh);
@@ -244,10 +329,11 @@ int parse_and_run(int argc, char** argv) {
   add_cleaning(*inspect_app, inspect.clean);
   CLI::App* repair_app = add_repair(app, repair);
   add_cleaning(*repair_app, repair.clean);
+  CLI::App* prepare_app = add_prepare(app, prepare, prepare_words);
   CLI::App* verify_app = add_verify(app, verify);
   verify_app->add_flag("--strict", verify.clean.strict, "Refuse a surface that needs a clean-up");
   CLI::App* convert_app = add_convert(app, convert);
-  for (CLI::App* command : {mesh_app, inspect_app, repair_app, verify_app, convert_app})
+  for (CLI::App* command : {mesh_app, inspect_app, repair_app, prepare_app, verify_app, convert_app})
     add_common(*command, common);
 
   Result<std::vector<std::string>> words = understood({argv + 1, argv + argc}, app);
@@ -272,6 +358,13 @@ int parse_and_run(int argc, char** argv) {
   if (*mesh_app) return run(mesh, common, terminal);
   if (*inspect_app) return run(inspect, common, terminal);
   if (*repair_app) return run(repair, common, terminal);
+  if (*prepare_app) {
+    const PrepareOptions given = prepare.options;
+    prepare.options = read_steps(prepare_words);
+    prepare.options.allow_crossings = given.allow_crossings;
+    prepare.options.most_places = given.most_places;
+    return run(prepare, common, terminal);
+  }
   if (*convert_app) return run(convert, common, terminal);
   return run(verify, common, terminal);
 }

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <variant>
@@ -8,6 +9,7 @@
 #include "overtet/io.h"
 #include "overtet/version.h"
 #include "src/cli/commands.h"
+#include "src/cli/mending.h"
 #include "src/cli/signals.h"
 #include "src/cli/tuning.h"
 
@@ -23,6 +25,7 @@ struct Findings {
   const SurfaceReadInfo& info;
   const SurfaceDiagnosis& diagnosis;
   bool list_pairs, list_curves;
+  std::size_t most_places;
 };
 
 const char* yes(bool x) { return x ? "yes" : "no"; }
@@ -116,13 +119,42 @@ Json to_json(const Defect& d, const InputSurface& input) {
   Json j = {{"kind", name_of(d.kind)},
             {"count", d.count},
             {"mended", is_mended(d.kind) && !input.cleanup.problem},
-            {"message", d.message}};
+            {"message", d.message},
+            {"mend", mend_of(d, input.cleanup.problem.has_value())}};
   j["places"] = Json::array();
   for (const DefectPlace& p : d.places) {
     j["places"].push_back(to_json(p, input.info.source));
     if (d.kind != DefectKind::hole) continue;
     j["places"].back()["edges"] = p.edges;
     j["places"].back()["length"] = p.length;
+  }
+  return j;
+}
+
+Json to_json(const ComponentDiagnosis& c) {
+  Json j = {{"faces", c.faces}, {"vertices", c.vertices}};
+  if (c.genus >= 0) j["genus"] = c.genus;
+  if (!c.signed_volume) return j;
+  j["signed_volume"] = *c.signed_volume;
+  j["faces_inwards"] = *c.signed_volume < 0;
+  return j;
+}
+
+// Faces as the file counts.
+Json thin_spots_of(const Findings& f) {
+  const std::vector<ThinSpot>& spots = f.diagnosis.thin_spots;
+  Json j = {{"count", spots.size()}, {"limit", f.diagnosis.thin_limit}, {"spots", Json::array()}};
+  if (!spots.empty()) j["mend"] = mend_of_thin_spots();
+  for (std::size_t i = 0; i < spots.size() && i < f.most_places; ++i) {
+    const ThinSpot& spot = spots[i];
+    DefectPlace place;
+    place.faces = {spot.face, spot.across};
+    place.position = spot.position;
+    Json one = to_json(place, f.input.source);
+    one.erase("vertices");
+    one["thickness"] = spot.thickness;
+    one["size"] = spot.faces;
+    j["spots"].push_back(one);
   }
   return j;
 }
@@ -141,11 +173,8 @@ Json to_json(const Findings& f) {
   j["defects"] = Json::array();
   for (const Defect& defect : f.input.cleanup.defects) j["defects"].push_back(to_json(defect, f.input));
   j["components"] = Json::array();
-  for (const ComponentDiagnosis& c : d.components) {
-    Json one = {{"faces", c.faces}, {"vertices", c.vertices}, {"genus", c.genus}};
-    if (c.signed_volume) one["signed_volume"] = *c.signed_volume;
-    j["components"].push_back(one);
-  }
+  for (const ComponentDiagnosis& c : d.components) j["components"].push_back(to_json(c));
+  j["thin_spots"] = d.winding_min ? thin_spots_of(f) : Json();
   j["degenerate_faces"] = d.degenerate_faces;
   j["pairs"] = d.pairs.size();
   j["pairs_sharing_vertex"] = d.pairs_sharing_vertex;
@@ -290,31 +319,76 @@ bool unclean(const Cleanup& cleanup, const SurfaceDiagnosis& d) {
          !d.problems.empty();
 }
 
+// What the defect's sentence has not said: more places, and what would mend it.
+void print_more(const Defect& d, const Findings& f) {
+  const bool refused = f.input.cleanup.problem.has_value();
+  if (is_mended(d.kind) && !refused) return;
+  const SurfaceSource& source = f.info.source;
+  for (std::size_t i = 1; i < d.places.size(); ++i) {
+    const DefectPlace& p = d.places[i];
+    std::printf("            %s", i == 1 ? "also " : "     ");
+    if (d.kind == DefectKind::hole)
+      std::printf("%lld edges, %.6g long, ", static_cast<long long>(p.edges), p.length);
+    if (!p.vertices.empty()) std::printf("%s, ", source.vertex_name(p.vertices[0]).c_str());
+    if (!p.faces.empty()) std::printf("%s, ", source.face_name(p.faces[0]).c_str());
+    std::printf("at %s\n", text_of(p.position).c_str());
+  }
+  std::printf("mend        %s\n", mend_of(d, refused).c_str());
+}
+
+void print_components(const SurfaceDiagnosis& d) {
+  const std::size_t components = d.components.size();
+  for (std::size_t c = 0; c < components && c < kListed; ++c) {
+    const ComponentDiagnosis& one = d.components[c];
+    std::printf("component   %d faces, %d vertices", one.faces, one.vertices);
+    if (one.genus >= 0) std::printf(", genus %d", one.genus);
+    if (one.signed_volume)
+      std::printf(", faces %s, volume %.6g", *one.signed_volume < 0 ? "inwards" : "outwards",
+                  std::abs(*one.signed_volume));
+    std::printf("\n");
+  }
+  if (components > kListed) std::printf("            and %zu more components\n", components - kListed);
+}
+
+void print_thin_spots(const Findings& f) {
+  const std::vector<ThinSpot>& spots = f.diagnosis.thin_spots;
+  if (spots.empty()) return;
+  std::printf("thin        %zu %s where the solid is thinner than %.6g, a thousandth of the diagonal\n",
+              spots.size(), spots.size() == 1 ? "spot" : "spots", f.diagnosis.thin_limit);
+  const std::size_t shown = std::min({spots.size(), f.most_places, kListed});
+  for (std::size_t i = 0; i < shown; ++i)
+    std::printf("            %.6g at %s, between %s and %s; %d faces\n", spots[i].thickness,
+                text_of(spots[i].position).c_str(), f.input.source.face_name(spots[i].face).c_str(),
+                f.input.source.face_name(spots[i].across).c_str(), spots[i].faces);
+  if (spots.size() > shown) std::printf("            and %zu more spots\n", spots.size() - shown);
+  std::printf("mend        %s\n", mend_of_thin_spots().c_str());
+}
+
 void print(const Findings& f) {
   const SurfaceDiagnosis& d = f.diagnosis;
   std::printf("file        %s\n", f.info.format.c_str());
   for (const std::string& note : f.info.notes) std::printf("note        %s\n", note.c_str());
-  for (const Defect& defect : f.input.cleanup.defects)
+  for (const Defect& defect : f.input.cleanup.defects) {
     std::printf("%s      %s\n", is_mended(defect.kind) && !f.input.cleanup.problem ? "mended" : "defect",
                 defect.message.c_str());
+    print_more(defect, f);
+  }
   std::printf("size        %d vertices, %d faces\n", d.vertices, d.faces);
   std::printf("closed      %s\nmanifold    %s\noriented    %s\n", yes(d.closed), yes(d.manifold),
               yes(d.oriented));
   if (!f.input.cleanup.problem)
     for (const std::string& problem : d.problems) std::printf("problem     %s\n", problem.c_str());
-  const std::size_t components = d.components.size();
-  for (std::size_t c = 0; c < components && c < kListed; ++c)
-    std::printf("component   %d faces, genus %d%s\n", d.components[c].faces, d.components[c].genus,
-                d.components[c].signed_volume.value_or(0) < 0 ? ", faces inwards" : "");
-  if (components > kListed) std::printf("            and %zu more components\n", components - kListed);
+  print_components(d);
   if (!d.degenerate_faces.empty())
     std::printf("degenerate  %zu faces without area, the first of them face %d\n", d.degenerate_faces.size(),
                 d.degenerate_faces[0]);
+  if (!d.degenerate_faces.empty()) std::printf("mend        %s\n", mend_of_flat_faces().c_str());
   if (d.winding_min) {
     std::printf("crossings   %zu pairs of faces\n", d.pairs.size());
     std::printf("hinges      %zu vertices whose one-ring crosses itself\n", d.hinges.size());
     print_hinges(f);
     print_curves(d.curves, f.list_curves);
+    print_thin_spots(f);
     std::printf("winding     %d to %d\n", *d.winding_min, *d.winding_max);
   }
   if (f.list_pairs)
@@ -327,6 +401,20 @@ void print(const Findings& f) {
   if (f.input.cleanup.problem) return;  // the defects say it, in numbers of the file
   for (const std::string& advice : d.advice)
     if (!said(advice) && advice != d.message) std::printf("advice      %s\n", advice.c_str());
+}
+
+// Of a surface that cannot be cleaned: what hangs together once it is cleaned as far as that goes.
+Status find_open_components(const InputSurface& input, SurfaceDiagnosis& d, const RunContext& context) {
+  if (!input.cleanup.problem) return success();
+  CleanupOptions options;
+  options.allow_open = true;
+  const Result<Cleanup> open = clean_up(input.surface(), options, {}, context);
+  if (!open) return open.error();
+  if (open.value().problem) return success();
+  Result<SurfaceDiagnosis> found = diagnose(open.value().surface, context);
+  if (!found) return found.error();
+  d.components = std::move(found.value().components);
+  return success();
 }
 
 // The verdict on a surface that cannot be cleaned, and the file's numbers of a face without area.
@@ -363,12 +451,19 @@ int run(const InspectCommand& command, const CommonOptions& common, Terminal& te
   if (!found) return fail(terminal, found.error());
   SurfaceDiagnosis& diagnosis = found.value();
   explain_in_file(input, diagnosis);
+  if (Status s = find_open_components(input, diagnosis, context); !s) return fail(terminal, s.error());
   watchdog.dismiss();
   if (!command.save_curves.empty())
     if (Status s = write_curves(command.save_curves, diagnosis.curves, format, context); !s)
       return fail(terminal, s.error());
   terminal.clear();
-  const Findings findings{input, input.surface(), input.info, diagnosis, command.pairs, command.curves};
+  const Findings findings{input,
+                          input.surface(),
+                          input.info,
+                          diagnosis,
+                          command.pairs,
+                          command.curves,
+                          static_cast<std::size_t>(command.clean.most_places)};
   if (command.json)
     std::puts(to_json(findings).dump(2, ' ', false, Json::error_handler_t::replace).c_str());
   else

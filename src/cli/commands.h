@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "overtet/io.h"
+#include "overtet/prepare.h"
 #include "overtet/run_context.h"
 #include "src/cli/input.h"
 #include "src/cli/terminal.h"
@@ -55,6 +56,11 @@ struct RepairCommand {
   InputOptions clean;
 };
 
+struct PrepareCommand {
+  std::string input, output, report, save_map;
+  PrepareOptions options;
+};
+
 struct VerifyCommand {
   std::string surface, mesh, format;
   double max_move = 0;  // percent of the diagonal
@@ -72,6 +78,7 @@ struct ConvertCommand {
 int run(const MeshCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const InspectCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const RepairCommand& command, const CommonOptions& common, Terminal& terminal);
+int run(const PrepareCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const VerifyCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const ConvertCommand& command, const CommonOptions& common, Terminal& terminal);
 

@@ -60,6 +60,10 @@ constexpr int kMostPoints = 24;
 // Radians. Sums of angles around an edge are right up to rounding, or wrong by a whole turn.
 constexpr double kTurnTolerance = 1e-2;
 
+// Of the diagonal: walls of a solid that are thinner are worth telling. A tenth of a millimetre of a print of
+// ten centimetres; edges of scans are longer.
+constexpr double kThinWall = 1e-3;
+
 // Along an axis: places where a cut through a mesh may be.
 constexpr int kPlaces = 64;
 

@@ -219,5 +219,39 @@ TEST(Api, HeadersAndLibraryAreOfOneVersion) {
                            "." + std::to_string(OVERTET_VERSION_PATCH));
 }
 
+Surface squashed(Surface s, double by) {
+  s.V.col(2) *= by;
+  return s;
+}
+
+TEST(Diagnose, ThinSpots) {
+  for (const Surface& s : {test::sphere(3), test::torus(), test::box(4), test::curled_worm(),
+                           test::two_spheres(), test::sphere_with_cavity(3, 0.7)})
+    EXPECT_TRUE(diagnose(s).value().thin_spots.empty());
+  // A plate is thin nearly everywhere; what is near its edge is thinner still.
+  const Surface plate = squashed(test::box(6), 5e-4);
+  const SurfaceDiagnosis d = diagnose(plate).value();
+  ASSERT_EQ(d.thin_spots.size(), 1u);
+  EXPECT_NEAR(d.thin_limit, 1e-3 * std::sqrt(2), 1e-6);
+  EXPECT_NEAR(d.thin_spots[0].thickness, 5e-4, 1e-12);
+  EXPECT_GE(d.thin_spots[0].faces, 2 * 2 * 6 * 6);
+  EXPECT_TRUE(diagnose(squashed(test::box(6), 2e-3)).value().thin_spots.empty());
+  // Two plates: two spots. Between them is no solid.
+  EXPECT_EQ(diagnose(test::joined(plate, test::shifted(plate, 0, 0, 6e-4))).value().thin_spots.size(), 2u);
+}
+
+// Also of what cannot be meshed: what hangs together.
+TEST(Diagnose, ComponentsOfOpenSurfaces) {
+  Surface s = test::joined(test::sphere(2), test::shifted(test::box(1), 3, 0, 0));
+  s.F.conservativeResize(s.F.rows() - 1, 3);
+  const SurfaceDiagnosis d = diagnose(s).value();
+  EXPECT_EQ(d.verdict, Verdict::bad_input);
+  ASSERT_EQ(d.components.size(), 2u);
+  EXPECT_EQ(d.components[1].faces, 11);
+  EXPECT_EQ(d.components[1].vertices, 8);
+  EXPECT_EQ(d.components[1].genus, -1);
+  EXPECT_FALSE(d.components[0].signed_volume);
+}
+
 }  // namespace
 }  // namespace overtet

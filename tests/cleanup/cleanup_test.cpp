@@ -71,6 +71,37 @@ TEST(Cleanup, LeavesCleanSurfacesAsTheyAre) {
   }
 }
 
+// Cleaned as far as that goes: faces turned, vertices dropped, odd edges cut open; a hole stays.
+TEST(Cleanup, MayLeaveSurfacesOpen) {
+  CleanupOptions options;
+  options.allow_open = true;
+  Surface s = test::sphere(2);
+  s.F = TriangleMatrix(s.F.bottomRows(s.F.rows() - 1));
+  std::swap(s.F(9, 1), s.F(9, 2));
+  s.V.conservativeResize(s.V.rows() + 1, 3);
+  s.V.row(s.V.rows() - 1) << 9, 9, 9;
+  const Cleanup c = cleaned(s, options);
+  EXPECT_FALSE(c.problem);
+  EXPECT_EQ(count_of(c, DefectKind::hole), 1);
+  EXPECT_EQ(c.turned, std::vector<Index>{9});
+  EXPECT_EQ(c.surface.V.rows(), s.V.rows() - 1);
+  EXPECT_TRUE(cleaned(s).problem);
+
+  Surface fin = test::box(1);  // and a face that stands on one of its edges
+  const Index n = static_cast<Index>(fin.V.rows()), faces = static_cast<Index>(fin.F.rows());
+  fin.V.conservativeResize(n + 1, 3);
+  fin.V.row(n) << 2, 2, 2;
+  fin.F.conservativeResize(faces + 1, 3);
+  fin.F.row(faces) << fin.F(0, 0), fin.F(0, 1), n;
+  const Cleanup d = cleaned(fin, options);
+  EXPECT_FALSE(d.problem);
+  EXPECT_EQ(count_of(d, DefectKind::odd_edge), 1);
+  EXPECT_EQ(d.surface.F.rows(), faces + 1);
+  EXPECT_EQ(d.surface.V.rows(), n + 1 + 2);  // the fin has two of its own
+  // Nothing else to do.
+  EXPECT_FALSE(cleaned(d.surface, options).changed());
+}
+
 // Solids that touch in an edge, a face, or a part of a face come apart, merged as a file without vertex
 // numbers merges them.
 TEST(Cleanup, SolidsThatTouchComeApart) {

@@ -62,7 +62,7 @@ std::map<std::string, Names> rooms_used() {
 
 const Names kStages = {"src/forward_flow", "src/reverse_flow", "src/tet_mesh", "src/volume_map",
                        "src/immersion",    "src/improve",      "src/repair",   "src/labels",
-                       "src/verify",       "src/cleanup"};
+                       "src/verify",       "src/cleanup",      "src/prepare"};
 const Names kRoundTheStages = {"src/run",         "src/io",       "src/exact",        "src/mesh",
                                "src/arrangement", "src/covering", "src/certificates", "src/cdt"};
 
