@@ -89,11 +89,12 @@ std::optional<Error> SurfaceRun::final_reason(const Error& e) {
     if (Status s = look_closer(); !s) return s.error();
   if (pinched) return pinched;
   if (e.reason != ErrorReason::exhausted) return std::nullopt;
-  return Error{ErrorCode::unsolved,
-               "No tet mesh was found: " + e.message +
-                   " Every gluing has been tried, with every edge that can be wound, so no other route would "
-                   "find a mesh.",
-               e.place, ErrorReason::exhausted};
+  return Error{
+      ErrorCode::unsolved,
+      "No tet mesh was found: " + e.message +
+          " With its crossings rounded to doubles, every gluing has been tried, with every edge that can "
+          "be wound, so other routes were left out.",
+      e.place, ErrorReason::exhausted};
 }
 
 Result<TetMesh> SurfaceRun::try_strategies() {
