@@ -273,8 +273,13 @@ class Improver {
     look_at_worst(cut);
     const bool traded = trade();
     if (!traded && result_.lifted > 0) look_at(Work::passes, sine_of(kLookAgain * options_.target_degrees));
-    if (sizes_)
+    // What is made smaller in the end may leave a bad angle, and mending that a large tet.
+    for (int again = 0; sizes_ && again < kInVain; ++again) {
+      const std::int64_t before = result_.refined;
       if (Status s = end_sizes(); !s) return s.error();
+      if (result_.refined == before) break;
+      look_at_worst(cut);
+    }
     if (options_.coarse) coarsen_all();
     if (context_.cancel && context_.stop()) return *context_.stop();
     result_.after = dihedral_statistics(mesh_.V, mesh_.T);
@@ -487,7 +492,7 @@ class Improver {
       worst = worst_quality(mesh_);
       if (!(worst > kPays * before)) break;
     }
-    if (!silent_.stop()) result_.lifted = lift_worst(mesh_, target, silent_);
+    if (!silent_.stop()) result_.lifted += lift_worst(mesh_, target, silent_);
     // Lifting has numbered vertices anew, and only refinement asks.
     loose_.assign(static_cast<std::size_t>(mesh_.V.rows()), 0);
     if (sizes_) sizes_->spread(mesh_, options_.sizes);

@@ -88,6 +88,22 @@ TEST(Sizes, EdgesAndVolumesAreAsSmallAsAskedWhereTheBoundaryAllows) {
   }
 }
 
+TEST(Sizes, LeastAnglesAreAsGoodAsWithoutThem) {
+  const TetMesh start = tets_inside(test::torus_surface(60, 24, 2, .7));
+  ImproveOptions options;
+  TetMesh plain = start;
+  const double without = improve(plain, options, {}).value().after.min;
+  for (const double edge : {0.4, 0.3, 0.2}) {
+    SCOPED_TRACE(edge);
+    TetMesh mesh = start;
+    options.sizes.max_edge = edge;
+    const auto r = improve(mesh, options, {});
+    ASSERT_TRUE(r.ok());
+    EXPECT_EQ(0, r.value().too_large);
+    EXPECT_GE(r.value().after.min, std::min(options.target_degrees, without) - 0.01);
+  }
+}
+
 // Edges were split beside longer ones: ever more became too long, around vertices with thousands of tets.
 TEST(Sizes, SplitsDidNotEndWhereTheBoundaryIsCoarser) {
   TetMesh mesh = tets_inside(test::torus_surface(60, 24, 2, .7));
