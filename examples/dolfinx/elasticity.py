@@ -11,13 +11,9 @@ YOUNG, POISSON, PULL = 1.0, 0.3, 1.0
 
 
 def main():
-    example = worm.start(__doc__)
-    surface = example.worm()
-    path, vertices, tets = example.mesh(surface, "worm.msh")
+    example, surface, vertices, mesh, labels = worm.start(__doc__)
     import ufl
     from dolfinx import fem
-    mesh, regions, labels = worm.read(path)
-    worm.check(example, surface, mesh, regions, labels, tets)
 
     mu, lame = YOUNG / (2 * (1 + POISSON)), YOUNG * POISSON / ((1 + POISSON) * (1 - 2 * POISSON))
 

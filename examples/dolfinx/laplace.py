@@ -8,13 +8,9 @@ import worm
 
 
 def main():
-    example = worm.start(__doc__)
-    surface = example.worm()
-    path, vertices, tets = example.mesh(surface, "worm.msh")
+    example, surface, vertices, mesh, labels = worm.start(__doc__)
     import ufl
     from dolfinx import fem
-    mesh, regions, labels = worm.read(path)
-    worm.check(example, surface, mesh, regions, labels, tets)
 
     space = fem.FunctionSpace(mesh, ("CG", 1))
     u, v = ufl.TrialFunction(space), ufl.TestFunction(space)

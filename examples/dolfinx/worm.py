@@ -13,7 +13,13 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 
 def start(description):
-    return overlap.Example(description, {"dolfinx": "python3-dolfinx", "gmsh": "python3-gmsh"})
+    """The example, the worm's surface, the vertices in its mesh file, and the mesh with labels and regions, checked."""
+    example = overlap.Example(description, {"dolfinx": "python3-dolfinx", "gmsh": "python3-gmsh"})
+    surface = example.worm()
+    path, vertices, tets = example.mesh(surface, "worm.msh")
+    mesh, regions, labels = read(path)
+    check(example, surface, mesh, regions, labels, tets)
+    return example, surface, vertices, mesh, labels
 
 
 def read(path):

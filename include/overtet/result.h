@@ -27,7 +27,7 @@ enum class ErrorCode {
 // What more is known of an error, where that decides what is tried or advised next.
 enum class ErrorReason {
   none,
-  exhausted,    // of `unsolved`: every possible solution has been tried; no other route finds one
+  exhausted,    // of `unsolved`: every gluing has been tried, of crossings rounded to doubles
   endless,      // of `unsolved`: the work allowed was used up; more work might have found a mesh
   time_limit,   // of `limit`: the context's deadline
   memory_limit  // of `limit`: the context's memory_limit_bytes

@@ -1,3 +1,4 @@
+#include "kernels/core/box.h"
 #include "kernels/core/union_find.h"
 #include "overtet/diagnosis.h"
 #include "src/api/guarded.h"
@@ -91,7 +92,7 @@ Result<SurfaceDiagnosis> diagnose(const Surface& surface, const RunContext& oute
     Result<CloseLook> look = look_closely(surface, found, context);
     if (!look) return look.error();
     add_crossings(out, d, std::move(look).value());
-    out.thin_limit = kThinWall * (surface.V.colwise().maxCoeff() - surface.V.colwise().minCoeff()).norm();
+    out.thin_limit = kThinWall * diagonal_of(surface.V);
     std::vector<std::uint8_t> crossing(surface.F.rows(), 0);
     for (const auto& [f, g] : d.pairs) crossing[f] = crossing[g] = 1;
     out.thin_spots = find_thin_spots(surface, *d.bvh, out.thin_limit, crossing);

@@ -10,6 +10,7 @@
 
 #include "kernels/bvh/bvh.h"
 #include "kernels/bvh/self_intersections.h"
+#include "kernels/core/box.h"
 #include "kernels/core/tuning.h"
 #include "kernels/predicates/predicates.h"
 #include "src/cdt/tuning.h"
@@ -230,7 +231,7 @@ class Roofer {
 
   Result<RoofedSurface> run() {
     TriangleBvh bvh(s_.V, s_.F);
-    const double size = (s_.V.colwise().maxCoeff() - s_.V.colwise().minCoeff()).norm();
+    const double size = diagonal_of(s_.V);
     for (std::size_t i = 0; i < areas_.size(); ++i) {
       if (auto stop = context_.stop()) return *stop;
       Roof roof(s_, areas_[i]);

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "kernels/core/box.h"
 #include "kernels/core/tuning.h"
 #include "kernels/predicates/predicates.h"
 #include "src/cdt/tuning.h"
@@ -45,7 +46,7 @@ class AreaFinder {
     needle_.resize(n);
     height_.resize(n);
     place_.assign(n, kNowhere);
-    size_ = (s.V.colwise().maxCoeff() - s.V.colwise().minCoeff()).norm();
+    size_ = diagonal_of(s.V);
     for (Index f = 0; f < s.F.rows(); ++f) {
       const Shape shape = shape_of(s, f);
       needle_[f] = shape.needle;

@@ -180,10 +180,8 @@ int run(const PrepareCommand& command, const CommonOptions& common, Terminal& te
                 {ErrorCode::usage,
                  "Say what is to be done: --weld, --close-cracks, --remove-small, --largest, --fill-holes, "
                  "--collapse-needles or --all (overtet help prepare explains them)."});
-  OutputProbe output, report_probe;
-  if (Status s = output.open(command.output); !s) return fail(terminal, s.error());
-  if (!command.report.empty())
-    if (Status s = report_probe.open(command.report); !s) return fail(terminal, s.error());
+  OutputAndReport probes;
+  if (Status s = probes.open(command.output, command.report); !s) return fail(terminal, s.error());
   const RunContext context = common.context(terminal);
   Watchdog watchdog(context.deadline, context.memory_limit_bytes,
                     [&](const Error& error) { terminal.error(with_hint(error)); });

@@ -76,10 +76,8 @@ int run(const RepairCommand& command, const CommonOptions& common, Terminal& ter
   if (same_file(command.output, command.report))
     return fail(terminal, {ErrorCode::usage,
                            "The output and the report have the same name; choose another for one of them."});
-  OutputProbe output, report_probe;
-  if (Status s = output.open(command.output); !s) return fail(terminal, s.error());
-  if (!command.report.empty())
-    if (Status s = report_probe.open(command.report); !s) return fail(terminal, s.error());
+  OutputAndReport probes;
+  if (Status s = probes.open(command.output, command.report); !s) return fail(terminal, s.error());
   const RunContext context = common.context(terminal);
   Watchdog watchdog(context.deadline, context.memory_limit_bytes,
                     [&](const Error& error) { terminal.error(with_hint(error)); });

@@ -88,6 +88,12 @@ Result<TetFormat> output_format(const std::string& path, const std::string& name
 // The same file under two names, or the same name.
 bool same_file(const std::string& a, const std::string& b);
 
+// Shows early that the output and the report (may be empty) can be written.
+struct OutputAndReport {
+  OutputProbe output, report;
+  Status open(const std::string& output_path, const std::string& report_path);
+};
+
 // The error's sentence, with the option that raises the limit where it is about one.
 std::string with_hint(const Error& error);
 

@@ -27,4 +27,9 @@ bool same_file(const std::string& a, const std::string& b) {
          x.st_dev == y.st_dev && x.st_ino == y.st_ino;
 }
 
+Status OutputAndReport::open(const std::string& output_path, const std::string& report_path) {
+  if (Status s = output.open(output_path); !s) return s;
+  return report_path.empty() ? success() : report.open(report_path);
+}
+
 }  // namespace overtet

@@ -126,18 +126,18 @@ class Clearer {
   }
 
   // For better tets. What is cheap comes first; a point that has been cleared may go for good.
-  static bool make_way(LocalOperations& work, Index t) {
+  static void make_way(LocalOperations& work, Index t) {
     const TetComplex::Tet c = work.mesh().tet(t);
     for (int i = 0; i < 4; ++i)
       for (int j = 0; j < 4; ++j)
-        if (i != j && !work.fixed(c[i]) && work.collapse(c[i], c[j])) return true;
+        if (i != j && !work.fixed(c[i]) && work.collapse(c[i], c[j])) return;
     for (const auto& [i, j] : kTetEdge)
-      if (work.remove_edge(t, c[i], c[j])) return true;
+      if (work.remove_edge(t, c[i], c[j])) return;
     for (int k = 0; k < 4; ++k)
-      if (work.flip_23(t, k)) return true;
+      if (work.flip_23(t, k)) return;
     for (const Index v : c)
-      if (!work.fixed(v) && work.smooth(v)) return true;
-    return work.reconnect(t) || work.insert_around(t);
+      if (!work.fixed(v) && work.smooth(v)) return;
+    if (!work.reconnect(t)) work.insert_around(t);
   }
 
   TetComplex::Tet sorted_tet(Index t) const {

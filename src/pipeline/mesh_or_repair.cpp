@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "kernels/core/box.h"
+
 #include "overtet/verification.h"
 #include "src/pipeline/component_meshing.h"
 #include "src/pipeline/finishing.h"
@@ -18,10 +20,6 @@
 namespace overtet {
 
 namespace {
-
-double diagonal_of(const Surface& surface) {
-  return (surface.V.colwise().maxCoeff() - surface.V.colwise().minCoeff()).norm();
-}
 
 // Why a surface has no mesh as it is, and what repairs need to know of it.
 struct FirstFailure {
@@ -167,7 +165,7 @@ class OtherParts {
 Result<MeshedSurface> repair_by_parts(const Surface& surface, const std::vector<SubSurface>& parts,
                                       const MeshingOptions& options, const RunContext& context,
                                       std::vector<StageRecord>& records) {
-  const double diagonal = diagonal_of(surface);
+  const double diagonal = diagonal_of(surface.V);
   MeshingOptions own = options;
   own.save_stages.clear();
   own.resume.clear();
@@ -177,7 +175,7 @@ Result<MeshedSurface> repair_by_parts(const Surface& surface, const std::vector<
   RefinedParts refined(surface);
   OtherParts others;
   for (const SubSurface& part : parts) {
-    const double size = diagonal_of(part.surface) / diagonal;
+    const double size = diagonal_of(part.surface.V) / diagonal;
     if (!options.sizes.at_vertex.empty()) {
       own.sizes.at_vertex.clear();
       for (const Index v : part.vertices) own.sizes.at_vertex.push_back(options.sizes.at_vertex[v]);
@@ -260,7 +258,7 @@ Result<TetMesh> with_room_at_moved(const RepairJob& job, RepairedMesh finished) 
 Result<MeshedSurface> repair_whole(const Surface& surface, const MeshingOptions& options,
                                    const RunContext& context, std::vector<StageRecord>& records,
                                    const FirstFailure& first) {
-  const RepairJob job{surface, first.diagnosis, options, context, records, diagonal_of(surface)};
+  const RepairJob job{surface, first.diagnosis, options, context, records, diagonal_of(surface.V)};
   Result<RepairedMesh> repaired = mesh_repaired(job, first.error, first.unglued);
   if (!repaired) return repaired.error();
   RepairedMesh& r = repaired.value();

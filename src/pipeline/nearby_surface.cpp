@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "kernels/core/box.h"
 #include "kernels/core/tuning.h"
 #include "src/certificates/diagnose.h"
 #include "src/immersion/immersion.h"
@@ -50,7 +51,7 @@ std::vector<Vector3d> outward_normals(const Surface& s) {
 
 // No vertex goes further than a share of its shortest edge.
 Surface nudged(const Surface& s, const Nudge& nudge) {
-  const double diagonal = (s.V.colwise().maxCoeff() - s.V.colwise().minCoeff()).norm();
+  const double diagonal = diagonal_of(s.V);
   std::vector<double> reach(static_cast<std::size_t>(s.V.rows()), nudge.length * diagonal);
   for (Index f = 0; f < s.F.rows(); ++f)
     for (int k = 0; k < 3; ++k) {

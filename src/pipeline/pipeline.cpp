@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "kernels/core/box.h"
 #include "kernels/parallel/parallel.h"
 #include "src/opening/angle_bounds.h"
 #include "src/opening/opening.h"
@@ -23,7 +24,7 @@ double seconds_since(RunContext::Clock::time_point start) {
 }
 
 MovedAngles angles_at_moved(const Surface& surface, const MeshingOptions& options, const TetMesh& mesh) {
-  const double diagonal = (surface.V.colwise().maxCoeff() - surface.V.colwise().minCoeff()).norm();
+  const double diagonal = diagonal_of(surface.V);
   const AngleBounds bounds = angle_bounds(mesh, surface.F, surface.V, options.max_repair_move * diagonal);
   return {least_angle_at_moved(mesh, surface.V), bounds.at_moved, bounds.as_moved, bounds.elsewhere};
 }

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "kernels/core/box.h"
 #include "src/prepare/joining.h"
 #include "src/prepare/steps.h"
 #include "src/prepare/working_surface.h"

@@ -15,6 +15,8 @@ struct Surroundings {
   Index local_vertex(Index v) const;  // pre: it is there
 };
 
+// In the order given. Unlike sub_surface() (src/mesh/submesh.h), at no cost of the whole: there are many
+// places.
 Surroundings of_faces(const Surface& whole, std::vector<Index> faces);
 
 // The faces that have one of the vertices, ascending, and those of their vertices, and so on: `rings` times.

@@ -69,9 +69,4 @@ std::vector<std::vector<Index>> border_loops(const TriangleMatrix& F, const std:
   return loops;
 }
 
-double diagonal_of(const VertexMatrix& V) {
-  if (V.rows() == 0) return 0;
-  return (V.colwise().maxCoeff() - V.colwise().minCoeff()).norm();
-}
-
 }  // namespace overtet

@@ -44,6 +44,4 @@ std::vector<Index> border_half_edges(const TriangleMatrix& F, const Incidence& i
 // close, is not there.
 std::vector<std::vector<Index>> border_loops(const TriangleMatrix& F, const std::vector<Index>& border);
 
-double diagonal_of(const VertexMatrix& V);
-
 }  // namespace overtet

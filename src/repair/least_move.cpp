@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "kernels/bvh/bvh.h"
+#include "kernels/core/box.h"
 #include "kernels/core/tuning.h"
 #include "src/exact/winding.h"
 #include "src/mesh/topology.h"
@@ -41,7 +42,7 @@ class Balls {
       : surface_(surface),
         diagnosis_(diagnosis),
         winding_(surface, *diagnosis.bvh),
-        diagonal_((surface.V.colwise().maxCoeff() - surface.V.colwise().minCoeff()).norm()) {}
+        diagonal_(diagonal_of(surface.V)) {}
 
   std::optional<LeastMove> run(const RunContext& context) {
     std::optional<LeastMove> best;

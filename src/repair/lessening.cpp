@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "kernels/core/box.h"
+
 #include "src/repair/offences.h"
 #include "src/repair/smoothing.h"
 #include "src/repair/tuning.h"
@@ -29,7 +31,7 @@ class Lessening {
         options_(options),
         context_(context),
         rings_(static_cast<Index>(input.V.rows()), input.F),
-        diagonal_((input.V.colwise().maxCoeff() - input.V.colwise().minCoeff()).norm()),
+        diagonal_(diagonal_of(input.V)),
         now_{moved, input.F},
         scratch_(static_cast<std::size_t>(input.V.rows()), 0),
         owner_(static_cast<std::size_t>(input.V.rows()), -1) {}

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/core/box.h"
 #include "kernels/core/tuning.h"
 #include "src/repair/clusters.h"
 #include "src/repair/offences.h"
@@ -28,7 +29,7 @@ class Repair {
         options_(options),
         context_(context),
         rings_(static_cast<Index>(surface.V.rows()), surface.F),
-        diagonal_((surface.V.colwise().maxCoeff() - surface.V.colwise().minCoeff()).norm()),
+        diagonal_(diagonal_of(surface.V)),
         gentle_(gentle_move()),
         base_(surface.V),
         now_(surface),

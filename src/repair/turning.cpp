@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "kernels/bvh/bvh.h"
+#include "kernels/core/box.h"
 #include "kernels/core/union_find.h"
 #include "kernels/sparse/cholesky.h"
 #include "src/exact/winding.h"
@@ -33,8 +34,6 @@ double median_edge(const Surface& s) {
                    length.end());
   return length[length.size() / 2];
 }
-
-double diagonal_of(const Surface& s) { return (s.V.colwise().maxCoeff() - s.V.colwise().minCoeff()).norm(); }
 
 // Evenly spread points of a face, more of them the longer it is.
 void sample(const Surface& s, Index f, double spacing, std::vector<WallSample>& out) {
@@ -112,7 +111,7 @@ class PartFinder {
         diagnosis_(diagnosis),
         context_(context),
         n_(static_cast<Index>(surface.F.rows())),
-        ahead_(kAhead * diagonal_of(surface)),
+        ahead_(kAhead * diagonal_of(surface.V)),
         spacing_(median_edge(surface)),
         winding_(surface, *diagnosis.bvh) {}
 
@@ -272,7 +271,7 @@ std::vector<InsideOutPart> inside_out_parts(const Surface& surface, const Diagno
 
 Turn turned(const Surface& surface, const InsideOutPart& part, const Vector3d& along, double thickness,
             double thin) {
-  const double slack = 1e-9 * diagonal_of(surface);
+  const double slack = 1e-9 * diagonal_of(surface.V);
   const Walls walls(surface, part.faces);
   const auto n = static_cast<int>(part.vertices.size());
   const auto column = [&](Index v) {

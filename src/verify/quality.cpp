@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kernels/core/assertions.h"
+#include "kernels/core/box.h"
 #include "kernels/core/indices.h"
 #include "kernels/near_points/near_points.h"
 #include "kernels/parallel/parallel.h"
@@ -101,7 +102,7 @@ TetQuality tet_quality(const TetMesh& mesh, const RunContext& context) {
   q.dihedral_max = degrees(all.low);
   q.volume = from_ordinary_size(all.volume, exponent, 3);
   const NearPoints::Closest closest = NearPoints(V).closest();
-  const double diagonal = (V.colwise().maxCoeff() - V.colwise().minCoeff()).norm();
+  const double diagonal = diagonal_of(V);
   q.coincident_vertices = closest.coincident;
   q.closest_pair = closest.distance / diagonal;
   q.closest = {closest.a, closest.b};

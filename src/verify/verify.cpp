@@ -7,6 +7,7 @@
 #include <numeric>
 #include <unordered_map>
 
+#include "kernels/core/box.h"
 #include "kernels/core/tet_tables.h"
 #include "kernels/core/triangles.h"
 #include "kernels/core/union_find.h"
@@ -340,8 +341,7 @@ void compare_boundary_points(VerifyResult& r, const Surface& surface, const Vert
 
 void compare_vertices(VerifyResult& r, const Surface& surface, const TetMesh& mesh, double max_move) {
   const Eigen::Index common = std::min(surface.V.rows(), mesh.V.rows());
-  const double diagonal =
-      surface.V.rows() ? (surface.V.colwise().maxCoeff() - surface.V.colwise().minCoeff()).norm() : 0;
+  const double diagonal = diagonal_of(surface.V);
   Finding moved, too_far;
   for (Eigen::Index v = 0; v < common; ++v) {
     if ((surface.V.row(v).array() == mesh.V.row(v).array()).all()) continue;
