@@ -15,6 +15,7 @@
 #include "kernels/parallel/tuning.h"
 #include "src/improve/bad_tets.h"
 #include "src/improve/coarsen.h"
+#include "src/improve/layers.h"
 #include "src/improve/passes.h"
 #include "src/improve/refine.h"
 #include "src/improve/round_progress.h"
@@ -116,9 +117,6 @@ PartResult improve_part(MeshPart& part, const Orders& orders, const RunContext& 
   return result;
 }
 
-// Several threads may mark the same vertex.
-void mark(char& c) { std::atomic_ref(c).store(1, std::memory_order_relaxed); }
-
 // Marks the corners of the tets that are `bad`.
 template <class Bad>
 std::vector<char> corners_of(const TetMesh& mesh, Bad&& bad) {
@@ -131,34 +129,17 @@ std::vector<char> corners_of(const TetMesh& mesh, Bad&& bad) {
   return marked;
 }
 
-// The tets within kLayers layers around some vertices.
+// The tets within kLayers layers around some vertices, none of which has too many tets.
 std::vector<Index> around(const TetMesh& mesh, std::vector<char> near) {
-  std::vector<int> star(near.size(), 0);
-  parallel_for(mesh.T.rows(), kLightGrain, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t t = begin; t < end; ++t)
-      for (int k = 0; k < 4; ++k) std::atomic_ref(star[mesh.T(t, k)]).fetch_add(1, std::memory_order_relaxed);
-  });
+  const std::vector<int> star = star_sizes(mesh);
   for (std::size_t v = 0; v < near.size(); ++v)
     if (star[v] > kLargestStar) near[v] = 0;
-  std::vector<char> chosen(static_cast<std::size_t>(mesh.T.rows()), 0);
-  for (int layer = 0; layer < kLayers; ++layer) {
-    parallel_for(mesh.T.rows(), kLightGrain, [&](std::int64_t begin, std::int64_t end) {
-      for (std::int64_t t = begin; t < end; ++t)
-        for (int k = 0; k < 4; ++k)
-          if (near[mesh.T(t, k)]) chosen[t] = 1;
-    });
-    if (layer + 1 < kLayers)
-      parallel_for(mesh.T.rows(), kLightGrain, [&](std::int64_t begin, std::int64_t end) {
-        for (std::int64_t t = begin; t < end; ++t)
-          if (chosen[t])
-            for (int k = 0; k < 4; ++k)
-              if (const Index v = mesh.T(t, k); star[v] <= kLargestStar) mark(near[v]);
-      });
-  }
-  std::vector<Index> tets;
-  for (Index t = 0; t < mesh.T.rows(); ++t)
-    if (chosen[t]) tets.push_back(t);
-  return tets;
+  const std::vector<char> chosen = within_layers(mesh, star, std::move(near), kLayers);
+  return parallel_collect<Index>(mesh.T.rows(), kLightGrain,
+                                 [&](std::int64_t begin, std::int64_t end, std::vector<Index>& out) {
+                                   for (Index t = static_cast<Index>(begin); t < end; ++t)
+                                     if (chosen[t]) out.push_back(t);
+                                 });
 }
 
 double radius_edge(const TetMesh& mesh, Index t) {

@@ -118,8 +118,7 @@ constexpr double kHairWorse = 0.999;
 
 // Tets within this factor of the worst are mended with it.
 constexpr double kNearWorst = 2;
-// So many of the worst tets are taken out of the mesh with what is around them, so many layers.
-constexpr std::int64_t kMostPlaces = 12;
+// Layers around one of the worst tets that are taken out of the mesh with it.
 constexpr int kRegionLayers = 5;
 // All is done in two ways, with so many layers around a tet that is worked on, and the better end is kept.
 constexpr int kPatchLayers[] = {2, 4};
@@ -138,9 +137,12 @@ struct Budget {
     return std::min(most, at_first + tets / tets_per_more);
   }
 };
+// The worst tets that are taken out at the same time. A region has some 3000 tets: all of them are a small
+// part of the mesh, and a few passes over it do for all.
+constexpr Budget kTaken{12, 20000};
 // Attempts to mend a tet in vain by the dear means; successes; and changes made on walks (below).
 constexpr Budget kDear{40, 2000}, kLifts{60, 150}, kSteps{300, 300, 2000};
-// Changes that are tried at the same time, by as many threads as there are.
+// Changes that are tried at the same time, and places at most, by as many threads as there are.
 constexpr std::int64_t kTrials = 8;
 // For one tet: tets that are mended after one change; and where no change helps, walks of several chosen at
 // random, each mended.

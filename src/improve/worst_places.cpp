@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <functional>
+#include <optional>
+#include <queue>
 #include <random>
 #include <utility>
 #include <vector>
@@ -13,6 +16,7 @@
 #include "kernels/parallel/tuning.h"
 #include "kernels/tet_energy/tet_quality.h"
 #include "src/improve/bad_tets.h"
+#include "src/improve/layers.h"
 #include "src/improve/tuning.h"
 #include "src/mesh/local_operations.h"
 #include "src/mesh/partition.h"
@@ -22,30 +26,6 @@ namespace overtet {
 namespace {
 
 using Eigen::Vector3d;
-
-using Corners = std::array<Index, 4>;
-
-Corners corners_of(const TetMesh& mesh, Index t) {
-  return {mesh.T(t, 0), mesh.T(t, 1), mesh.T(t, 2), mesh.T(t, 3)};
-}
-
-// 0 for the tets within some layers around the vertices, -1 for others.
-std::vector<int> layers_around(const TetMesh& mesh, std::vector<char> near, int layers) {
-  std::vector<int> star(near.size(), 0), part_of(static_cast<std::size_t>(mesh.T.rows()), -1);
-  for (Index t = 0; t < mesh.T.rows(); ++t)
-    for (const Index v : corners_of(mesh, t)) ++star[v];
-  for (int layer = 0; layer < layers; ++layer) {
-    for (Index t = 0; t < mesh.T.rows(); ++t)
-      for (const Index v : corners_of(mesh, t))
-        if (near[v]) part_of[t] = 0;
-    if (layer + 1 == layers) break;
-    for (Index t = 0; t < mesh.T.rows(); ++t)
-      if (part_of[t] == 0)
-        for (const Index v : corners_of(mesh, t))
-          if (star[v] <= kLargestStar) near[v] = 1;
-  }
-  return part_of;
-}
 
 // The qualities below the goal, the worst first.
 std::vector<double> low_qualities(const LocalOperations& work, double goal) {
@@ -235,31 +215,117 @@ Index some_bad(const LocalOperations& work, double goal, std::mt19937& random) {
   return u >= 0 && random() % 3 == 0 ? u : t;
 }
 
-// One tet of a part of the mesh. kind: of the part's first vertices, 1: shared with other parts, 2: pinched
-// (src/mesh/partition.h).
-bool lift(TetMesh& region, std::span<const char> kind, Index t, double target, int layers, Effort& left) {
-  const double worst = quality(region, t), goal = std::min(target, kGoal * worst);
-  const Corners corners = corners_of(region, t);
-  std::vector<char> near(static_cast<std::size_t>(region.V.rows()), 0);
-  for (const Index v : corners) near[v] = 1;
-  const std::vector<int> part_of = layers_around(region, near, layers);
-  std::vector<MeshPart> patch = take_parts(region, part_of, 1);
-  MeshPart& start = patch[0];
-  for (Index v = 0; v < static_cast<Index>(start.vertex.size()); ++v) {
-    const Index in_region = start.vertex[v];
-    if (in_region >= static_cast<Index>(kind.size()) || kind[in_region] == 0) continue;
-    start.shared.push_back(v);
-    if (kind[in_region] > 1) start.pinched.push_back(v);
-  }
-  Index at = 0;
-  const auto is_it = [&](Index s) {
-    for (int k = 0; k < 4; ++k)
-      if (std::find(corners.begin(), corners.end(), start.vertex[start.complex.tet(s)[k]]) == corners.end())
-        return false;
-    return true;
-  };
-  while (!is_it(at)) ++at;
+// A part of the mesh with some of the worst tets.
+struct Place {
+  MeshPart part;
+  std::vector<char> kind;  // of the part's first vertices, 1: shared with other parts, 2: pinched (partition.h)
+};
 
+// What is done at one place, in one way: on a complex of its own, until the best way is known.
+class Lifting {
+ public:
+  Lifting(const Place& place, double target, int layers, const Effort& left)
+      : complex(place.part.complex), left(left), kind_(place.kind), target_(target), layers_(layers) {
+    quality_.resize(complex.tet_capacity());
+    for (Index t = 0; t < complex.tet_capacity(); ++t)
+      if (complex.alive(t)) rate(t);
+  }
+
+  // The worst tet below `below` again and again, until one resists: others that get better do not lift the
+  // least angle then.
+  void run(double below, const RunContext& context) {
+    while (left.lifts > 0 && left.steps > 0 && !context.stop()) {
+      const Index worst = worst_tet(below);
+      if (worst < 0) break;
+      if (!lift(worst)) {
+        resisted = quality_[worst];
+        break;
+      }
+      ++lifts;
+      --left.lifts;
+    }
+  }
+
+  // The worst tet that does not touch the rim, -1 where none is below.
+  Index worst_tet(double below) {
+    for (; !worst_.empty() && worst_.top().first < below; worst_.pop()) {
+      const auto [q, t] = worst_.top();
+      if (complex.alive(t) && quality_[t] == q) return t;
+    }
+    return -1;
+  }
+
+  // All below, the worst first.
+  std::vector<double> low(double below) const {
+    std::vector<double> out;
+    for (Index t = 0; t < complex.tet_capacity(); ++t)
+      if (complex.alive(t) && quality_[t] < below) out.push_back(quality_[t]);
+    std::sort(out.begin(), out.end());
+    return out;
+  }
+
+  TetComplex complex;
+  Effort left;
+  double resisted = 1;  // the quality of the tet that did not get better
+  int lifts = 0;
+
+ private:
+  int kind_of(Index v) const { return v < static_cast<Index>(kind_.size()) ? kind_[v] : 0; }
+
+  void rate(Index t) {
+    const auto& c = complex.tet(t);
+    quality_.resize(complex.tet_capacity());
+    quality_[t] = min_dihedral_sine(complex.position(c[0]), complex.position(c[1]), complex.position(c[2]),
+                                    complex.position(c[3]));
+    if (quality_[t] < target_ && std::none_of(c.begin(), c.end(), [&](Index v) { return kind_of(v) != 0; }))
+      worst_.emplace(quality_[t], t);
+  }
+
+  // The tets within some layers around t, t first.
+  std::vector<Index> patch_around(Index t) {
+    std::vector<Index> patch{t}, star;
+    seen_.resize(complex.tet_capacity(), 0);
+    spread_.resize(complex.vertex_count(), 0);
+    seen_[t] = 1;
+    std::vector<Index> begun;
+    for (std::size_t layer = 0, first = 0; layer < static_cast<std::size_t>(layers_); ++layer) {
+      const std::size_t end = patch.size();
+      for (; first < end; ++first)
+        for (const Index v : complex.tet(patch[first])) {
+          if (std::exchange(spread_[v], 1)) continue;
+          begun.push_back(v);
+          complex.star(v, star);
+          if (layer > 0 && star.size() > static_cast<std::size_t>(kLargestStar)) continue;
+          for (const Index s : star)
+            if (!std::exchange(seen_[s], 1)) patch.push_back(s);
+        }
+    }
+    for (const Index s : patch) seen_[s] = 0;
+    for (const Index v : begun) spread_[v] = 0;
+    return patch;
+  }
+
+  bool lift(Index t);
+
+  const std::vector<char>& kind_;
+  const double target_;
+  const int layers_;
+  std::vector<double> quality_;
+  using Rated = std::pair<double, Index>;
+  std::priority_queue<Rated, std::vector<Rated>, std::greater<>> worst_;  // below the target; stale ones, too
+  std::vector<char> seen_, spread_;
+};
+
+bool Lifting::lift(Index t) {
+  const double worst = quality_[t], goal = std::min(target_, kGoal * worst);
+  const std::vector<Index> tets = patch_around(t);
+  MeshPart start = take_part(complex, tets);
+  for (Index v = 0; v < static_cast<Index>(start.vertex.size()); ++v) {
+    const int kind = kind_of(start.vertex[v]);
+    if (kind > 0) start.shared.push_back(v);
+    if (kind > 1) start.pinched.push_back(v);
+  }
+  constexpr Index at = 0;  // t in the patch
   std::vector<double> before;
   std::vector<Change> changes;
   {
@@ -287,110 +353,161 @@ bool lift(TetMesh& region, std::span<const char> kind, Index t, double target, i
       while (!apply(work, s, all[1 + random() % (all.size() - 1)], kChangeMayFallTo * worst))
         if (++draws == kDraws) break;
       if (draws == kDraws) continue;
-      mend(work, kBetter * worst, std::min(target, kNearWorst * worst), kInVain, {false, i % 3 == 2});
-      const std::vector<double> low = low_qualities(work, goal);
-      trial.better = better(low, before);
-      if (!low.empty() && low.front() < kChangeMayFallTo * worst) return;
+      mend(work, kBetter * worst, std::min(target_, kNearWorst * worst), kInVain, {false, i % 3 == 2});
+      const std::vector<double> now = low_qualities(work, goal);
+      trial.better = better(now, before);
+      if (!now.empty() && now.front() < kChangeMayFallTo * worst) return;
     }
   };
   if (!first_that_helps(start, static_cast<std::int64_t>(changes.size()), left.dear, one_change) &&
       !first_that_helps(start, kTries, left.steps, walk))
     return false;
-  put_parts(region, part_of, patch);
+  std::vector<Index> created;
+  put_part(complex, tets, start, created);
+  for (const Index s : created) rate(s);
   return true;
 }
 
-// The worst tet below `below` again and again, until one resists: others that get better do not lift the
-// least angle then. See lift() for kind; resisted: becomes the quality of that tet, where that is less.
-int lift_region(TetMesh& region, std::span<const char> kind, double below, double target, int layers,
-                Effort& left, double& resisted, const RunContext& context) {
-  const auto at_rim = [&](const Corners& c) {
-    return std::any_of(c.begin(), c.end(),
-                       [&](Index v) { return v < static_cast<Index>(kind.size()) && kind[v] != 0; });
-  };
-  int lifts = 0;
-  while (left.lifts > 0 && left.steps > 0 && !context.stop()) {
-    Index worst = -1;
-    double least = below;
-    for (Index t = 0; t < region.T.rows(); ++t)
-      if (const double q = quality(region, t); q < least && !at_rim(corners_of(region, t))) {
-        least = q;
-        worst = t;
-      }
-    if (worst < 0) break;
-    if (!lift(region, kind, worst, target, layers, left)) {
-      resisted = std::min(resisted, least);
-      break;
-    }
-    ++lifts;
-    --left.lifts;
+// Places of which none shares a vertex with another one, and what is known of them.
+class Places {
+ public:
+  Places(std::vector<Place> places, double target)
+      : places_(std::move(places)), target_(target), changed_(places_.size(), 0) {
+    for (const Place& place : places_) worst_.push_back(worst_of(place.part.complex, place.kind));
   }
-  return lifts;
+
+  // Lifts the worst tets until one resists, or all are at `limit`. Each time those within a factor of the very
+  // worst, more places at the same time the longer that goes well: what is done beside a tet that resists is
+  // in vain. The order of the results counts, not who was done first.
+  int lift(double limit, Effort& left, double& resisted, const RunContext& context) {
+    int lifts = 0;
+    for (std::size_t at_once = 1; left.lifts > 0 && left.steps > 0 && !context.stop();) {
+      const double least = *std::min_element(worst_.begin(), worst_.end());
+      if (!(least < limit) || least > kSameQuality * resisted) break;
+      const double below = std::min(limit, kNearWorst * least);
+      std::vector<std::pair<double, std::size_t>> order;
+      for (std::size_t p = 0; p < places_.size(); ++p)
+        if (worst_[p] < below) order.emplace_back(worst_[p], p);
+      const std::size_t count = std::min(at_once, order.size());
+      std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end());
+      order.resize(count);
+      const int here = lift_these(order, below, left, resisted, context);
+      if (here == 0) break;
+      lifts += here;
+      at_once = std::min<std::size_t>(2 * at_once, kTrials);
+    }
+    return lifts;
+  }
+
+  bool changed(std::size_t place) const { return changed_[place] != 0; }
+  MeshPart take(std::size_t place) { return std::move(places_[place].part); }
+
+ private:
+  static double worst_of(const TetComplex& complex, const std::vector<char>& kind) {
+    double worst = 1;
+    for (Index t = 0; t < complex.tet_capacity(); ++t) {
+      if (!complex.alive(t)) continue;
+      const auto& c = complex.tet(t);
+      if (std::any_of(c.begin(), c.end(),
+                      [&](Index v) { return v < static_cast<Index>(kind.size()) && kind[v] != 0; }))
+        continue;
+      worst = std::min(worst, min_dihedral_sine(complex.position(c[0]), complex.position(c[1]),
+                                                complex.position(c[2]), complex.position(c[3])));
+    }
+    return worst;
+  }
+
+  int lift_these(const std::vector<std::pair<double, std::size_t>>& these, double below, Effort& left,
+                 double& resisted, const RunContext& context) {
+    constexpr std::size_t kWays = std::size(kPatchLayers);
+    std::vector<std::optional<Lifting>> ways(kWays * these.size());
+    std::vector<std::vector<double>> low(ways.size());
+    parallel_tasks(std::ssize(ways), [&](std::int64_t i) {
+      Lifting& way = ways[i].emplace(places_[these[i / kWays].second], target_, kPatchLayers[i % kWays], left);
+      way.run(below, context);
+      low[i] = way.low(below);
+    });
+    const Effort before = left;
+    int lifts = 0;
+    for (std::size_t i = 0; i < these.size(); ++i) {
+      const std::size_t second = kWays * i + 1;
+      Lifting& best = *ways[better(low[second], low[second - 1], 1) ? second : second - 1];
+      left.dear -= before.dear - best.left.dear;
+      left.steps -= before.steps - best.left.steps;
+      left.lifts -= before.lifts - best.left.lifts;
+      resisted = std::min(resisted, best.resisted);
+      if (best.lifts == 0) continue;
+      lifts += best.lifts;
+      const std::size_t p = these[i].second;
+      places_[p].part.complex = std::move(best.complex);
+      worst_[p] = worst_of(places_[p].part.complex, places_[p].kind);
+      changed_[p] = 1;
+    }
+    return lifts;
+  }
+
+  std::vector<Place> places_;
+  const double target_;
+  std::vector<double> worst_;  // of each place
+  std::vector<char> changed_;
+};
+
+// The worst tets of a mesh, the worst one first; at most so many.
+struct WorstTets {
+  std::vector<std::pair<double, Index>> tets;
+  double next;  // the quality of the first that is left out, or the target
+};
+
+WorstTets worst_tets(const TetMesh& mesh, double target, std::int64_t most) {
+  WorstTets worst;
+  worst.tets = parallel_collect<std::pair<double, Index>>(
+      mesh.T.rows(), kLightGrain, [&](std::int64_t begin, std::int64_t end, auto& out) {
+        for (Index t = static_cast<Index>(begin); t < end; ++t)
+          if (const double q = quality(mesh, t); q < target) out.emplace_back(q, t);
+      });
+  worst.next = target;
+  if (std::ssize(worst.tets) > most) {
+    const auto end = worst.tets.begin() + static_cast<std::ptrdiff_t>(most);
+    std::nth_element(worst.tets.begin(), end, worst.tets.end());
+    worst.next = end->first;
+    worst.tets.erase(end, worst.tets.end());
+  }
+  std::sort(worst.tets.begin(), worst.tets.end());
+  return worst;
 }
 
-// The worst tets' places. Returns how many times one got better; resisted: the quality of the worst tet that
-// did not, 1 where there is none.
+// Takes the worst tets' places out of the mesh, lifts them, and puts those that have changed back: a few passes
+// over the mesh, however many places there are. Returns how many times one got better; resisted: the quality of
+// the worst tet that did not, 1 where there is none.
 int lift_places(TetMesh& mesh, double target, Effort& left, double& resisted, const RunContext& context) {
-  using Rated = std::pair<double, Index>;
-  std::vector<Rated> bad = parallel_reduce(
-      mesh.T.rows(), kLightGrain, std::vector<Rated>{},
-      [&](std::int64_t begin, std::int64_t end) {
-        std::vector<Rated> here;
-        for (Index t = static_cast<Index>(begin); t < end; ++t)
-          if (const double q = quality(mesh, t); q < target) here.emplace_back(q, t);
-        return here;
-      },
-      [](std::vector<Rated> x, const std::vector<Rated>& y) {
-        x.insert(x.end(), y.begin(), y.end());
-        return x;
-      });
-  if (bad.empty()) return 0;
-  const std::size_t places = std::min(static_cast<std::size_t>(kMostPlaces), bad.size());
-  std::partial_sort(bad.begin(), bad.begin() + static_cast<std::ptrdiff_t>(places), bad.end());
-  if (bad.front().first > kSameQuality * resisted) return 0;
-  const double below = std::min(target, kNearWorst * bad.front().first);
+  const WorstTets worst = worst_tets(mesh, target, kTaken.of(mesh.T.rows()));
+  if (worst.tets.empty() || worst.tets.front().first > kSameQuality * resisted) return 0;
   std::vector<char> near(static_cast<std::size_t>(mesh.V.rows()), 0);
-  for (std::size_t i = 0; i < places && bad[i].first < below; ++i)
-    for (const Index v : corners_of(mesh, bad[i].second)) near[v] = 1;
-  const std::vector<int> part_of = layers_around(mesh, near, kRegionLayers);
-  std::vector<MeshPart> parts = take_parts(mesh, part_of, 1);
-  std::vector<char> kind(parts[0].vertex.size(), 0);
-  for (const Index v : parts[0].shared) kind[v] = 1;
-  for (const Index v : parts[0].pinched) kind[v] = 2;
-  // All vertices that it has now keep their numbers.
-  const TetMesh region = parts[0].complex.to_mesh(static_cast<Index>(kind.size()));
-  const auto low = [&](const TetMesh& m) {
-    std::vector<double> qualities;
-    for (Index t = 0; t < m.T.rows(); ++t)
-      if (const double q = quality(m, t); q < below) qualities.push_back(q);
-    std::sort(qualities.begin(), qualities.end());
-    return qualities;
-  };
-
-  struct Way {
-    TetMesh region;
-    Effort left;
-    double resisted;
-    int lifts = 0;
-    std::vector<double> low;
-  };
-  std::array<Way, std::size(kPatchLayers)> ways;
-  parallel_tasks(std::ssize(kPatchLayers), [&](std::int64_t i) {
-    Way& way = ways[i];
-    way.region = region;
-    way.left = left;
-    way.resisted = resisted;
-    way.lifts =
-        lift_region(way.region, kind, below, target, kPatchLayers[i], way.left, way.resisted, context);
-    way.low = low(way.region);
-  });
-  const Way& best = better(ways[1].low, ways[0].low, 1) ? ways[1] : ways[0];
-  left = best.left;
-  resisted = best.resisted;
-  if (best.lifts == 0) return 0;
-  parts[0].complex = TetComplex(best.region.V, best.region.T);
-  put_parts(mesh, part_of, parts);
-  return best.lifts;
+  for (const auto& [q, t] : worst.tets)
+    for (int k = 0; k < 4; ++k) near[mesh.T(t, k)] = 1;
+  const std::vector<char> chosen = within_layers(mesh, star_sizes(mesh), std::move(near), kRegionLayers);
+  int count = 0;
+  std::vector<int> part_of = connected_pieces(mesh, chosen, count);
+  std::vector<MeshPart> parts = take_parts(mesh, part_of, count);
+  std::vector<Place> taken(parts.size());
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    taken[p].kind.assign(parts[p].vertex.size(), 0);
+    for (const Index v : parts[p].shared) taken[p].kind[v] = 1;
+    for (const Index v : parts[p].pinched) taken[p].kind[v] = 2;
+    taken[p].part = std::move(parts[p]);
+  }
+  Places places(std::move(taken), target);
+  // Not beyond the first tet that stayed behind, but beyond the last that did not.
+  const double limit = std::min(target, std::max(worst.next, kBetter * worst.tets.back().first));
+  const int lifts = places.lift(limit, left, resisted, context);
+  if (lifts == 0) return 0;
+  std::vector<MeshPart> changed;
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    if (places.changed(p)) changed.push_back(places.take(p));
+  for (int& p : part_of)
+    if (p >= 0 && !places.changed(p)) p = -1;
+  put_parts(mesh, part_of, changed);
+  return lifts;
 }
 
 }  // namespace

@@ -105,6 +105,44 @@ void find_pinched(MeshPart& part, const std::vector<char>& shared) {
     if (pinched[v]) part.pinched.push_back(v);
 }
 
+// corners(t): of each of the tets; position(v); is_shared(v, n): v has tets elsewhere, and n of these. Vertices are
+// numbered in the order of first use: what is near lies near in memory.
+template <class Corners, class Position, class IsShared>
+MeshPart make_part(std::span<const Index> tets, Index vertices, Corners&& corners, Position&& position,
+                   IsShared&& is_shared) {
+  static thread_local std::vector<Index> local;
+  local.resize(std::max<std::size_t>(local.size(), vertices), -1);
+  MeshPart part;
+  std::vector<Index>& vertex = part.vertex;
+  std::vector<Index> times;
+  TetMatrix T(static_cast<Eigen::Index>(tets.size()), 4);
+  for (std::size_t i = 0; i < tets.size(); ++i) {
+    const TetComplex::Tet c = corners(tets[i]);
+    for (int k = 0; k < 4; ++k) {
+      Index& v = local[c[k]];
+      if (v < 0) {
+        v = static_cast<Index>(vertex.size());
+        vertex.push_back(c[k]);
+        times.push_back(0);
+      }
+      ++times[v];
+      T(static_cast<Eigen::Index>(i), k) = v;
+    }
+  }
+  VertexMatrix V(static_cast<Eigen::Index>(vertex.size()), 3);
+  std::vector<char> shared(vertex.size(), 0);
+  for (std::size_t i = 0; i < vertex.size(); ++i) {
+    local[vertex[i]] = -1;
+    V.row(static_cast<Eigen::Index>(i)) = position(vertex[i]);
+    if (!is_shared(vertex[i], times[i])) continue;
+    shared[i] = 1;
+    part.shared.push_back(static_cast<Index>(i));
+  }
+  part.complex = TetComplex(V, T);
+  find_pinched(part, shared);
+  return part;
+}
+
 // The boxes of the chosen tets.
 std::vector<TetBox> boxes_of(const TetMesh& mesh, std::span<const Index> chosen,
                              std::span<const int> weight) {
@@ -260,26 +298,36 @@ std::vector<int> cut_apart(const TetMesh& mesh, std::span<const Index> chosen, i
   return part_of;
 }
 
-Pieces in_pieces(const TetMesh& mesh, std::span<const Index> chosen, int parts, std::span<const int> weight) {
+std::vector<int> connected_pieces(const TetMesh& mesh, std::span<const char> chosen, int& count) {
   UnionFind joined(static_cast<std::size_t>(mesh.V.rows()));
-  for (const Index t : chosen)
-    for (int k = 1; k < 4; ++k) joined.join(mesh.T(t, k), mesh.T(t, 0));
+  for (Index t = 0; t < mesh.T.rows(); ++t)
+    for (int k = 1; chosen[t] && k < 4; ++k) joined.join(mesh.T(t, k), mesh.T(t, 0));
+  std::vector<int> piece_at(joined.size(), -1);  // by root
+  std::vector<int> piece_of(static_cast<std::size_t>(mesh.T.rows()), -1);
+  count = 0;
+  for (Index t = 0; t < mesh.T.rows(); ++t) {
+    if (!chosen[t]) continue;
+    int& p = piece_at[joined.root(mesh.T(t, 0))];
+    if (p < 0) p = count++;
+    piece_of[t] = p;
+  }
+  return piece_of;
+}
+
+Pieces in_pieces(const TetMesh& mesh, std::span<const Index> chosen, int parts, std::span<const int> weight) {
+  std::vector<char> is_chosen(static_cast<std::size_t>(mesh.T.rows()), 0);
+  for (const Index t : chosen) is_chosen[t] = 1;
+  int count = 0;
+  const std::vector<int> piece_of = connected_pieces(mesh, is_chosen, count);
   struct Piece {
     std::int64_t weight = 0;
-    int number = 0;  // in the order of their first tets
+    int number = 0;
   };
-  std::vector<int> piece_at(joined.size(), -1);  // by root
-  std::vector<Piece> pieces;
-  std::vector<int> piece_of(chosen.size());
+  std::vector<Piece> pieces(count);
+  for (int p = 0; p < count; ++p) pieces[p].number = p;
   std::int64_t all = 0;
   for (std::size_t i = 0; i < chosen.size(); ++i) {
-    int& p = piece_at[joined.root(mesh.T(chosen[i], 0))];
-    if (p < 0) {
-      p = static_cast<int>(pieces.size());
-      pieces.push_back({0, p});
-    }
-    pieces[p].weight += weight[i];
-    piece_of[i] = p;
+    pieces[piece_of[chosen[i]]].weight += weight[i];
     all += weight[i];
   }
   // The heaviest first, each to the part that has least.
@@ -296,7 +344,7 @@ Pieces in_pieces(const TetMesh& mesh, std::span<const Index> chosen, int parts, 
   }
   Pieces result;
   result.part_of.assign(static_cast<std::size_t>(mesh.T.rows()), -1);
-  for (std::size_t i = 0; i < chosen.size(); ++i) result.part_of[chosen[i]] = part_of_piece[piece_of[i]];
+  for (std::size_t i = 0; i < chosen.size(); ++i) result.part_of[chosen[i]] = part_of_piece[piece_of[chosen[i]]];
   if (all > 0)
     result.uneven =
         static_cast<double>(*std::max_element(load.begin(), load.end())) * parts / static_cast<double>(all);
@@ -324,36 +372,49 @@ std::vector<MeshPart> take_parts(const TetMesh& mesh, std::span<const int> part_
   std::vector<MeshPart> result(parts);
   parallel_for(parts, 1, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t p = begin; p < end; ++p) {
-      MeshPart& part = result[p];
       sort_by_place(mesh, tets[p]);
-      // Numbers in the order of first use: what is near lies near in memory.
-      static thread_local std::vector<Index> local;
-      local.resize(std::max<std::size_t>(local.size(), owners.size()), -1);
-      std::vector<Index>& vertex = part.vertex;
-      TetMatrix T(static_cast<Eigen::Index>(tets[p].size()), 4);
-      for (std::size_t i = 0; i < tets[p].size(); ++i)
-        for (int k = 0; k < 4; ++k) {
-          Index& v = local[mesh.T(tets[p][i], k)];
-          if (v < 0) {
-            v = static_cast<Index>(vertex.size());
-            vertex.push_back(mesh.T(tets[p][i], k));
-          }
-          T(static_cast<Eigen::Index>(i), k) = v;
-        }
-      VertexMatrix V(static_cast<Eigen::Index>(vertex.size()), 3);
-      std::vector<char> shared(vertex.size(), 0);
-      for (std::size_t i = 0; i < vertex.size(); ++i) {
-        local[vertex[i]] = -1;
-        V.row(static_cast<Eigen::Index>(i)) = mesh.V.row(vertex[i]);
-        if (owners[vertex[i]].least == owners[vertex[i]].most) continue;
-        shared[i] = 1;
-        part.shared.push_back(static_cast<Index>(i));
-      }
-      part.complex = TetComplex(V, T);
-      find_pinched(part, shared);
+      result[p] = make_part(
+          tets[p], static_cast<Index>(owners.size()),
+          [&](Index t) {
+            return TetComplex::Tet{mesh.T(t, 0), mesh.T(t, 1), mesh.T(t, 2), mesh.T(t, 3)};
+          },
+          [&](Index v) { return Eigen::Vector3d(mesh.V.row(v)); },
+          [&](Index v, Index) { return owners[v].least != owners[v].most; });
     }
   });
   return result;
+}
+
+MeshPart take_part(const TetComplex& mesh, std::span<const Index> tets) {
+  std::vector<Index> star;
+  return make_part(
+      tets, mesh.vertex_count(), [&](Index t) { return mesh.tet(t); },
+      [&](Index v) { return mesh.position(v); },
+      [&](Index v, Index times) {
+        mesh.star(v, star);
+        return static_cast<Index>(star.size()) != times;
+      });
+}
+
+void put_part(TetComplex& mesh, std::span<const Index> tets, const MeshPart& part,
+              std::vector<Index>& created) {
+  const TetComplex& c = part.complex;
+  const Index own = static_cast<Index>(part.vertex.size());
+  std::vector<Index> number(c.vertex_count(), -1);
+  for (Index v = 0; v < c.vertex_count(); ++v) {
+    if (c.tet_of(v) < 0) continue;
+    number[v] = v < own ? part.vertex[v] : mesh.add_vertex(c.position(v));
+    if (v < own) mesh.move(number[v], c.position(v));
+  }
+  std::vector<TetComplex::Tet> added;
+  added.reserve(c.tet_count());
+  for (Index t = 0; t < c.tet_capacity(); ++t) {
+    if (!c.alive(t)) continue;
+    TetComplex::Tet corners = c.tet(t);
+    for (Index& v : corners) v = number[v];
+    added.push_back(corners);
+  }
+  mesh.replace(tets, added, created);
 }
 
 std::vector<Index> put_parts(TetMesh& mesh, std::span<const int> part_of,
