@@ -26,7 +26,7 @@ std::int64_t refine(LocalOperations& work, double radius_edge, std::span<const c
       return ratio > radius_edge * radius_edge ? std::optional(-ratio) : std::nullopt;
     });
     const Insertions done = insert_at(work, bad, hopeless, most_tets, context,
-                                      [&](Index t) { return work.insert_circumcentre(t); });
+                                      [&](Index t) { return work.insert_circumcentre(t, radius_edge); });
     all += done.count;
     if (done.stopped || done.count * kTetsPerVertex <= mesh.tet_count()) break;
   }

@@ -253,6 +253,13 @@ bool in_smallest_sphere(const Vector3d& a, const Vector3d& b, const Vector3d& c,
   return (x - a - out).squaredNorm() < kEncroaching * out.squaredNorm();
 }
 
+// x is on the inner side of the face's plane, but nearer than the root of `square`.
+bool is_close_below(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& x, double square) {
+  const Vector3d normal = (b - a).cross(c - a);
+  const double height = normal.dot(x - a);  // times the length of the normal
+  return height > 0 && height * height < square * normal.squaredNorm();
+}
+
 }  // namespace
 
 namespace {
@@ -316,10 +323,19 @@ Index LocalOperations::walk(Index from, const Vector3d& x) const {
   return -1;
 }
 
-bool LocalOperations::insert_circumcentre(Index t) {
-  const Vector3d x = circumsphere(t).centre;
-  const double room = squared_shortest_edge(t);
+bool LocalOperations::insert_circumcentre(Index t, double radius_edge) {
+  Vector3d x = circumsphere(t).centre;
   if (!x.allFinite()) return false;
+  const auto& c = mesh_.tet(t);
+  double room = HUGE_VAL;
+  Vector3d middle = x;  // of the shortest edge
+  for (const auto& [i, j] : kTetEdge) {
+    const Vector3d &p = mesh_.position(c[i]), &q = mesh_.position(c[j]);
+    if (const double square = (p - q).squaredNorm(); square < room) room = square, middle = (p + q) / 2;
+  }
+  // So far from an edge of length 1 the apex of an isosceles triangle lies on a circle of radius radius_edge.
+  const double most = std::sqrt(room) * (radius_edge + std::sqrt(radius_edge * radius_edge - 0.25));
+  if (const double far = (x - middle).norm(); far > most) x = middle + (most / far) * (x - middle);
   const Index at = walk(t, x);
   return at >= 0 && insert_delaunay(t, at, x, room);
 }
@@ -387,6 +403,12 @@ bool LocalOperations::insert_delaunay(Index t, Index at, const Vector3d& x, doub
       const Index u = mesh_.neighbour(cavity_[i], k);
       if (u < 0) {
         const Face f = inner_face(cavity_[i], k);
+        // Faces between parts are not there to stay, and may be very long.
+        if (shared(f[0]) && shared(f[1]) && shared(f[2])) {
+          if (is_close_below(mesh_.position(f[0]), mesh_.position(f[1]), mesh_.position(f[2]), x, kCutRoom * room))
+            return false;
+          continue;
+        }
         if (in_smallest_sphere(mesh_.position(f[0]), mesh_.position(f[1]), mesh_.position(f[2]), x))
           return false;
         continue;

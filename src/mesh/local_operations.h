@@ -28,6 +28,7 @@
 #include <span>
 #include <vector>
 
+#include "kernels/tet_energy/tet_fan.h"
 #include "src/mesh/size_limit.h"
 #include "src/mesh/tet_complex.h"
 #include "src/mesh/tuning.h"
@@ -106,11 +107,14 @@ class LocalOperations {
   // The same with v, where it has moved to `to`, without the face `no_face` (of v).
   bool rebuild_star(Index v, const std::array<Index, 3>& no_face, const Eigen::Vector3d& to,
                     double enough = 1e9);
-  // Delaunay refinement (Shewchuk 1998): a new vertex at the centre of t's circumsphere, instead of the tets
-  // around it whose circumspheres contain it. False where the boundary is in the way, where the centre lies
-  // in a boundary face's smallest sphere or nearer to a vertex than t's shortest edge is long, and where t
-  // would stay. No criterion of quality: what it bounds is the circumradius over the shortest edge.
-  bool insert_circumcentre(Index t);
+  // Delaunay refinement (Shewchuk 1998): a new vertex at the centre of t's circumsphere, or on the way there from
+  // t's shortest edge, where it makes a triangle with that edge whose circumradius over the edge is radius_edge
+  // (off-centres, Uengoer 2004: vertices come in layers from the boundary inwards, and far fewer tets are taken
+  // apart), instead of the tets around it whose circumspheres contain it. False where the boundary is in the
+  // way, where the vertex lies in a boundary face's smallest sphere or nearer to another one than t's shortest
+  // edge is long, and where t would stay. No criterion of quality: what it bounds is the circumradius over the
+  // shortest edge. pre: radius_edge > 1/2.
+  bool insert_circumcentre(Index t, double radius_edge);
   // The same where t is too large: a vertex at the centre, or in the middle of the edge that is too long for
   // it, with the tets around chosen like this or, last, by splitting the edge alone: where that makes no
   // short edges, or in any case. pre: sizes are limited.
@@ -197,6 +201,7 @@ class LocalOperations {
   double squared_shortest_edge(Index t) const;
   Face inner_face(Index t, int k) const;
   void load_bases();  // bases_ from faces_
+  void load_fan();    // fan_ from bases_
   // The worst tet that x makes with bases_; stops (with some value <= stop) when it is not above stop.
   double quality_at(const Eigen::Vector3d& x, double stop);
   // Climbs from x, whose quality is q; returns the quality reached. x changes only for the better.
@@ -206,7 +211,7 @@ class LocalOperations {
     Eigen::Vector3d gradient;
   };
   // The log sines at x that are not far from the least one; returns that.
-  double gather_sines(const Eigen::Vector3d& x, std::vector<LogSine>& all) const;
+  double gather_sines(const Eigen::Vector3d& x, std::vector<LogSine>& all);
   struct Uphill {
     Eigen::Vector3d direction;
     double slope;
@@ -260,6 +265,7 @@ class LocalOperations {
   std::vector<TetComplex::Tet> added_;
   std::vector<Face> faces_, hull_, grown_hull_;
   std::vector<Base> bases_;
+  TetFan fan_;  // the same, for many places
   std::vector<std::uint32_t> vertex_mark_, tet_mark_;
   std::uint32_t vertex_stamp_ = 0, tet_stamp_ = 0;
 };

@@ -68,29 +68,21 @@ double LocalOperations::quality_at(const Vector3d& x, double stop) {
   return q;
 }
 
-double LocalOperations::gather_sines(const Vector3d& x, std::vector<LogSine>& all) const {
-  static thread_local std::vector<double> worst_of;  // of each base
+void LocalOperations::load_fan() {
+  fan_.clear();
+  for (const Base& f : bases_) fan_.add(f.a, f.b, f.c, f.weight);
+}
+
+double LocalOperations::gather_sines(const Vector3d& x, std::vector<LogSine>& all) {
+  static thread_local std::vector<TetFan::Sine> sines;
+  fan_.sines_near_worst(x, kFarFromWorst, sines);
   all.clear();
-  worst_of.clear();
-  double lowest = HUGE_VAL;
-  for (const Base& f : bases_) {
-    worst_of.push_back(f.weight * min_dihedral_sine(f.a, f.b, f.c, x));
-    lowest = std::min(lowest, worst_of.back());
-  }
-  DihedralSines sines;
   double least = HUGE_VAL;
-  for (std::size_t i = 0; i < bases_.size(); ++i) {
-    if (worst_of[i] > kFarFromWorst * lowest) continue;
-    const Base& f = bases_[i];
-    dihedral_sines(f.a, f.b, f.c, x, sines);
-    for (int e = 0; e < 6; ++e) {
-      const double sine = f.weight * sines.sine[e];
-      if (sine > kFarFromWorst * lowest) continue;
-      const double s = std::log(std::max(sine, 1e-40));
-      if (!std::isfinite(s) || !sines.log_gradient[e].allFinite()) continue;
-      all.push_back({s, sines.log_gradient[e]});
-      least = std::min(least, s);
-    }
+  for (const TetFan::Sine& s : sines) {
+    const double value = std::log(std::max(s.sine, 1e-40));
+    if (!std::isfinite(value) || !s.log_gradient.allFinite()) continue;
+    all.push_back({value, s.log_gradient});
+    least = std::min(least, value);
   }
   return least;
 }
@@ -139,7 +131,7 @@ double LocalOperations::climb(Vector3d& x, double q, const Uphill& way, double s
   const Vector3d from = x;
   for (int halving = 0; halving < kMostHalvings && step * way.slope > least_gain; ++halving, step *= 0.5) {
     const Vector3d trial = from + step * way.direction;
-    const double here = quality_at(trial, q);
+    const double here = fan_.worst_at(trial, q);
     if (!(here > q)) continue;
     q = here;
     x = trial;
@@ -147,7 +139,7 @@ double LocalOperations::climb(Vector3d& x, double q, const Uphill& way, double s
     // Right at the first try: go on as long as it pays.
     for (double longer = 2 * step; longer < 0.9 * end; longer *= 2) {
       const Vector3d far = from + longer * way.direction;
-      const double there = quality_at(far, q);
+      const double there = fan_.worst_at(far, q);
       if (!(there > q)) break;
       q = there;
       x = far;
@@ -160,6 +152,8 @@ double LocalOperations::climb(Vector3d& x, double q, const Uphill& way, double s
 double LocalOperations::optimise(Vector3d& x, double q, int rounds) {
   const std::span<const double> factors = thorough_ ? std::span<const double>(kAllFactors) : kActiveFactor;
   static thread_local std::vector<LogSine> all;
+  if (bases_.empty()) return q;
+  load_fan();
   for (int round = 0; round < rounds; ++round) {
     const double least = gather_sines(x, all);
     if (all.empty()) return q;
