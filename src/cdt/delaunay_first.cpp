@@ -510,8 +510,8 @@ std::optional<Error> DelaunayFirst::mesh_piece(Piece& piece) const {
   }
   TetgenOptions options;
   options.quality = false;
-  options.accept_split = true;
-  options.patience = options_.patience;
+  options.accept_split = options_.parts.accept_split;
+  options.patience = options_.parts.patience;
   Result<TetgenResult> result = piece.cavities.size() == 1 ? tetrahedralize_shuffled(part, options, context_)
                                                            : tetrahedralize(part, options, context_);
   if (!result) return result.error();
@@ -573,7 +573,7 @@ Result<TetgenResult> tetrahedralize_delaunay_first(const Plc& plc, const RunCont
   const Index missing = static_cast<Index>(match.missing.size());
   const bool few = static_cast<double>(missing) <= options.most_missing * static_cast<double>(plc.F.rows());
   Result<TetgenResult> out = few ? DelaunayFirst(match, context, options).run()
-                                 : mesh_in_parts(match, options.facets_per_part, options.patience, context);
+                                 : mesh_in_parts(match, options.parts, context);
   if (out) {
     out.value().missing_facets = missing;
     out.value().seconds = std::chrono::duration<double>(RunContext::Clock::now() - begin).count();

@@ -144,7 +144,12 @@ struct Recovery {
     return plain;
   }
   bool may_split() const { return options.keep_facets && options.accept_split; }
-  bool may_be_delaunay() const { return plc.holes.rows() == 0 && may_split() && !options.fill_convex_hull; }
+  bool may_be_delaunay() const {
+    return plc.holes.rows() == 0 && options.keep_facets && !options.fill_convex_hull;
+  }
+  PartsOptions parts() const {
+    return {.patience = options.patience, .accept_split = options.accept_split};
+  }
 };
 
 // Points inside, where they are allowed and the mesh without them is crowded: flat tets fill gaps.
@@ -157,7 +162,7 @@ Result<TetgenResult> refined(const Recovery& r, Result<TetgenResult> mesh) {
 }
 
 Result<TetgenResult> delaunay_first(Recovery& r) {
-  return refined(r, tetrahedralize_delaunay_first(r.plc, r.context, {.patience = r.options.patience},
+  return refined(r, tetrahedralize_delaunay_first(r.plc, r.context, {.parts = r.parts()},
                                                   std::move(r.begun)));
 }
 
@@ -178,7 +183,7 @@ Result<TetgenResult> in_other_orders_without_points(Recovery& r) {
 // However many facets are missing, and however many of them TetGen is left with.
 Result<TetgenResult> delaunay_at_any_price(Recovery& r) {
   return tetrahedralize_delaunay_first(r.plc, r.context,
-                                       {.most_missing = 1, .most_left = 10, .patience = r.options.patience});
+                                       {.most_missing = 1, .most_left = 10, .parts = r.parts()});
 }
 
 Result<TetgenResult> with_edges_cut(Recovery& r) {
@@ -191,7 +196,7 @@ struct Means {
 };
 // In the order in which they are tried, until one settles it. The one that always applies says why not.
 const std::array all_means = {
-    Means{[](const Recovery& r) { return r.may_be_delaunay() && r.plc.F.rows() >= kLarge; }, delaunay_first},
+    Means{[](const Recovery& r) { return r.may_be_delaunay() && r.plc.F.rows() >= (getenv("OV_LARGE") ? atoi(getenv("OV_LARGE")) : kLarge); }, delaunay_first},
     Means{nullptr, in_the_given_order},
     Means{[](const Recovery& r) { return r.options.quality; }, in_other_orders},
     Means{[](const Recovery&) { return true; }, in_other_orders_without_points},
