@@ -103,7 +103,7 @@ void DelaunayMatch::find_crossed_tets() {
 
 Result<TetgenResult> without_outside(const Plc& plc, const Filling& filling,
                                      const std::vector<char>& replaced) {
-  const auto& [tet, next, facet_on, facets, source, added] = filling;
+  const auto& [tet, next, facet_on, facets, source, added, needed] = filling;
   const std::int64_t n = static_cast<std::int64_t>(tet.size());
   const Index count = static_cast<Index>(facets.size());
   std::vector<char> gone(n, 0);
@@ -149,23 +149,28 @@ Result<TetgenResult> without_outside(const Plc& plc, const Filling& filling,
       }
     }
   });
-  // Points that TetGen has added outside are not needed.
+  // Free points outside, and those that TetGen has added there, are not needed.
   std::vector<Index> place(given + added.size(), -1);
   for (Index t = 0; t < kept; ++t)
     for (int k = 0; k < 4; ++k) place[out.T(t, k)] = 0;
-  for (Eigen::Index v = 0; v < given; ++v) {
+  for (Eigen::Index v = 0; v < needed; ++v) {
     if (place[v] < 0)
       return Error{ErrorCode::unsolved, "Vertex " + std::to_string(v) + " lies outside the facets."};
     place[v] = static_cast<Index>(v);
   }
   out.V.resize(static_cast<Eigen::Index>(place.size()), 3);
-  out.V.topRows(given) = plc.V;
-  Index last = static_cast<Index>(given);
-  for (std::size_t v = given; v < place.size(); ++v)
-    if (place[v] == 0) {
-      place[v] = last;
+  out.V.topRows(needed) = plc.V.topRows(needed);
+  Index last = needed;
+  for (Eigen::Index v = needed; v < out.V.rows(); ++v) {
+    if (v == given) out.free_points = last - needed;
+    if (place[v] < 0) continue;
+    place[v] = last;
+    if (v < given)
+      out.V.row(last++) = plc.V.row(v);
+    else
       out.V.row(last++) = added[v - given];
-    }
+  }
+  if (added.empty()) out.free_points = last - needed;
   if (last < static_cast<Index>(place.size())) {
     out.V.conservativeResize(last, 3);
     for (Index t = 0; t < kept; ++t)

@@ -146,8 +146,10 @@ class Parts {
 
 Result<TetgenResult> Parts::run() {
   const Index facets = static_cast<Index>(facets_.size());
-  if (facets < options_.facets_per_part / 2) return unsolved("There are too few facets to cut them into parts.");
-  const Index count = 2 * std::max<Index>(1, facets / (2 * options_.facets_per_part));  // even: two threads get as much each
+  if (facets < options_.facets_per_part / 2)
+    return unsolved("There are too few facets to cut them into parts.");
+  const Index count =
+      2 * std::max<Index>(1, facets / (2 * options_.facets_per_part));  // even: two threads get as much each
   std::vector<char> used(plc_.V.rows(), 0);
   for (const Triple& f : facets_)
     for (const Index v : f) used[v] = 1;
@@ -412,7 +414,8 @@ Result<TetgenResult> Parts::join() const {
       next[doors[i].tet][doors[i].corner] = doors[i - 1].tet;
     }
   Result<TetgenResult> out =
-      without_outside(plc_, {tet, next, facet_on, facet, source, added}, std::vector<char>(tet.size(), 0));
+      without_outside(plc_, {tet, next, facet_on, facet, source, added, static_cast<Index>(plc_.V.rows())},
+                      std::vector<char>(tet.size(), 0));
   if (out) {
     out.value().tetgen_facets = tetgen_facets;
     out.value().peak_rss_bytes = peak;

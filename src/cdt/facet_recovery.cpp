@@ -12,6 +12,7 @@
 #include "kernels/delaunay/tuning.h"
 #include "src/cdt/delaunay_first.h"
 #include "src/cdt/delaunay_match.h"
+#include "src/cdt/free_points.h"
 #include "src/cdt/split_edges.h"
 #include "src/cdt/tuning.h"
 
@@ -147,9 +148,7 @@ struct Recovery {
   bool may_be_delaunay() const {
     return plc.holes.rows() == 0 && options.keep_facets && !options.fill_convex_hull;
   }
-  PartsOptions parts() const {
-    return {.patience = options.patience, .accept_split = options.accept_split};
-  }
+  PartsOptions parts() const { return {.patience = options.patience, .accept_split = options.accept_split}; }
 };
 
 // Points inside, where they are allowed and the mesh without them is crowded: flat tets fill gaps.
@@ -161,9 +160,19 @@ Result<TetgenResult> refined(const Recovery& r, Result<TetgenResult> mesh) {
   return settled(better) ? std::move(better) : std::move(mesh);
 }
 
+Result<TetgenResult> with_free_points(Recovery& r) {
+  const VertexMatrix free = free_points(r.plc.V, r.plc.F, r.context);
+  if (auto stop = r.context.stop()) return *stop;
+  Plc more = r.plc;
+  more.V.resize(r.plc.V.rows() + free.rows(), 3);
+  more.V << r.plc.V, free;
+  return tetrahedralize_delaunay_first(more, r.context,
+                                       {.free_points = static_cast<Index>(free.rows()), .parts = r.parts()});
+}
+
 Result<TetgenResult> delaunay_first(Recovery& r) {
-  return refined(r, tetrahedralize_delaunay_first(r.plc, r.context, {.parts = r.parts()},
-                                                  std::move(r.begun)));
+  return refined(r,
+                 tetrahedralize_delaunay_first(r.plc, r.context, {.parts = r.parts()}, std::move(r.begun)));
 }
 
 Result<TetgenResult> in_the_given_order(Recovery& r) {
@@ -196,7 +205,12 @@ struct Means {
 };
 // In the order in which they are tried, until one settles it. The one that always applies says why not.
 const std::array all_means = {
-    Means{[](const Recovery& r) { return r.may_be_delaunay() && r.plc.F.rows() >= (getenv("OV_LARGE") ? atoi(getenv("OV_LARGE")) : kLarge); }, delaunay_first},
+    Means{[](const Recovery& r) { return r.may_be_delaunay() && r.options.free_points; }, with_free_points},
+    Means{[](const Recovery& r) {
+            return r.may_be_delaunay() &&
+                   r.plc.F.rows() >= (getenv("OV_LARGE") ? atoi(getenv("OV_LARGE")) : kLarge);
+          },
+          delaunay_first},
     Means{nullptr, in_the_given_order},
     Means{[](const Recovery& r) { return r.options.quality; }, in_other_orders},
     Means{[](const Recovery&) { return true; }, in_other_orders_without_points},

@@ -34,6 +34,7 @@ struct TetgenOptions {
   double tolerance = 0;           // TetGen -T, for its coplanarity test; 0: TetGen's default
   Index largest_star = 0;         // of tets around an edge that its flips may take apart; 0: any
   double patience = 1;            // part of the work after which it is taken not to end; for what is a luxury
+  bool free_points = false;       // with Delaunay tets first: with points off the facets (free_points.h)
 
   Status validate() const;
 };
@@ -48,6 +49,7 @@ struct TetgenResult {
                                                // row of facets on the face opposite to each vertex, or -1
   std::vector<Index> facet_markers;            // #facets
   std::vector<Index> facet_sources;            // #facets; the row of Plc::F that each is part of
+  Index free_points = 0;                       // inside: the vertices that follow the input's
   Index missing_facets = 0;                    // no faces of the Delaunay tets, where those come first
   Index tetgen_facets = 0;                     // that TetGen has worked on, walls of cavities included
   Index parts = 1;                             // meshed one by one (domain_parts.h)
@@ -77,10 +79,12 @@ Result<TetgenResult> tetrahedralize_shuffled(const Plc& plc, const TetgenOptions
 
 // All means in turn. First without points inside, whatever options.quality says: that is fastest, but leaves
 // flat tets where many points lie on a sphere; then with them, if options.quality allows it. Large inputs
-// start from Delaunay tets (delaunay_first.h), and so do those where TetGen fails in every order. Last, with
-// accept_split, edges of facets that TetGen would have to fight for are cut in half (split_edges.h). All this
-// with some patience first, and then with all of it. Of many facets there are fewer attempts, in proportion
-// to options.patience. begun: from begin_delaunay() with the complex's first points, to the last bit.
+// start from Delaunay tets (delaunay_first.h), and so do those where TetGen fails in every order, and all
+// with options.free_points: some points inside cost little there, and spare those who refine the mesh much.
+// Last, with accept_split, edges of facets that TetGen would have to fight for are cut in half
+// (split_edges.h). All this with some patience first, and then with all of it. Of many facets there are fewer
+// attempts, in proportion to options.patience. begun: from begin_delaunay() with the complex's first points,
+// to the last bit.
 Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptions& options,
                                                const RunContext& context, DelaunayBuilder begun = {});
 

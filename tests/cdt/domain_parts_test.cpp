@@ -121,7 +121,8 @@ TEST(Parts, SmallComplexesAndLoosePointsAreRefused) {
 TEST(Parts, WhereManyFacetsAreMissing) {
   const Surface ring = test::transformed(test::torus(64, 24), stretch() * test::some_rotation(4), {7, 0, 0});
   const Plc plc = test::plc_of(ring);
-  const auto r = tetrahedralize_delaunay_first(plc, {}, {.most_missing = 0, .parts = {.facets_per_part = 700}});
+  const auto r =
+      tetrahedralize_delaunay_first(plc, {}, {.most_missing = 0, .parts = {.facets_per_part = 700}});
   ASSERT_TRUE(r.ok()) << r.error().message;
   EXPECT_GT(r.value().missing_facets, 0);
   EXPECT_GT(r.value().parts, 1);
