@@ -166,8 +166,9 @@ Result<TetgenResult> with_free_points(Recovery& r) {
   Plc more = r.plc;
   more.V.resize(r.plc.V.rows() + free.rows(), 3);
   more.V << r.plc.V, free;
-  return tetrahedralize_delaunay_first(more, r.context,
-                                       {.free_points = static_cast<Index>(free.rows()), .parts = r.parts()});
+  return tetrahedralize_delaunay_first(
+      more, r.context,
+      {.most_missing = 0.5, .free_points = static_cast<Index>(free.rows()), .parts = r.parts()});
 }
 
 Result<TetgenResult> delaunay_first(Recovery& r) {
@@ -206,10 +207,7 @@ struct Means {
 // In the order in which they are tried, until one settles it. The one that always applies says why not.
 const std::array all_means = {
     Means{[](const Recovery& r) { return r.may_be_delaunay() && r.options.free_points; }, with_free_points},
-    Means{[](const Recovery& r) {
-            return r.may_be_delaunay() &&
-                   r.plc.F.rows() >= (getenv("OV_LARGE") ? atoi(getenv("OV_LARGE")) : kLarge);
-          },
+    Means{[](const Recovery& r) { return r.may_be_delaunay() && r.may_split() && r.plc.F.rows() >= kLarge; },
           delaunay_first},
     Means{nullptr, in_the_given_order},
     Means{[](const Recovery& r) { return r.options.quality; }, in_other_orders},
