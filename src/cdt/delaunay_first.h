@@ -19,8 +19,8 @@ struct DelaunayFirstOptions {
   // If TetGen would get more facets and walls of cavities than this share of all facets, it may as well do
   // all of them.
   double most_left = 0.5;
-  Index free_points = 0;  // the last so many points lie on no facet and may be left out
-  PartsOptions parts;     // patience and splits count for what TetGen is left with, too
+  Index free_points = 0;    // the last so many points lie on no facet and may be left out
+  PartsOptions parts = {};  // patience and splits count for what TetGen is left with, too
 };
 
 // What tetrahedralize() with keep_facets and without quality promises, for the same input. The same result on
