@@ -570,7 +570,7 @@ Result<TetgenResult> tetrahedralize_delaunay_first(const Plc& plc, const RunCont
                                                    DelaunayBuilder begun) {
   const auto begin = RunContext::Clock::now();
   DelaunayMatch match(plc);
-  if (auto error = match.run(context, std::move(begun))) return *error;
+  if (auto error = match.run(context, std::move(begun), options.free_points)) return *error;
   const Index missing = static_cast<Index>(match.missing.size());
   const bool few = static_cast<double>(missing) <= options.most_missing * static_cast<double>(plc.F.rows());
   if (!few && options.free_points > 0) return unsolved("Too many facets are missing for free points.");

@@ -24,7 +24,7 @@ struct DelaunayFirstOptions {
 };
 
 // What tetrahedralize() with keep_facets and without quality promises, for the same input. The same result on
-// any number of threads. begun: has the complex's first points.
+// any number of threads. begun: has the complex's first points, then the free ones.
 // Errors: those of tetrahedralize(); unsolved also where this does not pay.
 Result<TetgenResult> tetrahedralize_delaunay_first(const Plc& plc, const RunContext& context,
                                                    const DelaunayFirstOptions& options = {},

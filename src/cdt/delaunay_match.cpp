@@ -37,11 +37,12 @@ Index TriangleTable::find(const Triple& f) const {
   return -1;
 }
 
-std::optional<Error> DelaunayMatch::run(const RunContext& context, DelaunayBuilder begun) {
-  const Index n = static_cast<Index>(plc.V.rows()), first = begun.points();
-  if (auto error = context.no_room_for(static_cast<std::size_t>(n - first) * kDelaunayBytesPerPoint))
-    return error;
-  begun.insert(plc.V.data() + 3 * static_cast<std::ptrdiff_t>(first), n - first,
+std::optional<Error> DelaunayMatch::run(const RunContext& context, DelaunayBuilder begun, Index free) {
+  const Index n = static_cast<Index>(plc.V.rows()), before = begun.points();
+  OVERTET_EXPECTS(before == 0 || before >= free);
+  const Index first = before == 0 ? 0 : before - free, late = n - before;
+  if (auto error = context.no_room_for(static_cast<std::size_t>(late) * kDelaunayBytesPerPoint)) return error;
+  begun.insert(plc.V.data() + 3 * static_cast<std::ptrdiff_t>(first), late,
                [&] { return context.stop().has_value(); });
   if (auto stop = context.stop()) return stop;
   TetArrays all = begun.tets();
@@ -49,6 +50,12 @@ std::optional<Error> DelaunayMatch::run(const RunContext& context, DelaunayBuild
   if (all.tet.empty()) return Error{ErrorCode::unsolved, "All points lie in a plane."};
   tet = std::move(all.tet);
   next = std::move(all.next);
+  if (before > 0 && free > 0)  // numbered in another order than the complex's
+    parallel_for(static_cast<std::int64_t>(tet.size()), kLightGrain,
+                 [&](std::int64_t begin, std::int64_t end) {
+                   for (std::int64_t t = begin; t < end; ++t)
+                     for (Index& v : tet[t]) v = v < first ? v : v < before ? v + late : v - free;
+                 });
   facets.resize(plc.F.rows());
   for (std::size_t f = 0; f < facets.size(); ++f) facets[f] = {plc.F(f, 0), plc.F(f, 1), plc.F(f, 2)};
   replaced.assign(tet.size(), 0);

@@ -39,8 +39,9 @@ class TriangleTable {
 struct DelaunayMatch {
   explicit DelaunayMatch(const Plc& complex) : plc(complex) {}
 
-  // Fills everything but crossed. The same on any number of threads. begun: has the complex's first points.
-  std::optional<Error> run(const RunContext& context, DelaunayBuilder begun = {});
+  // Fills everything but crossed. The same on any number of threads. begun: has the complex's first points,
+  // then the `free` last ones.
+  std::optional<Error> run(const RunContext& context, DelaunayBuilder begun = {}, Index free = 0);
 
   // The tets that each missing facet passes through, by facet.
   void find_crossed_tets();

@@ -137,7 +137,7 @@ struct Recovery {
   const TetgenOptions& options;
   const RunContext& context;
   Attempts& attempts;
-  DelaunayBuilder begun;
+  DelaunayStart begun;
 
   TetgenOptions without_points() const {
     TetgenOptions plain = options;
@@ -148,6 +148,7 @@ struct Recovery {
   bool may_be_delaunay() const {
     return plc.holes.rows() == 0 && options.keep_facets && !options.fill_convex_hull;
   }
+  bool is_large() const { return plc.F.rows() >= kLarge; }
   PartsOptions parts() const { return {.patience = options.patience, .accept_split = options.accept_split}; }
 };
 
@@ -160,20 +161,28 @@ Result<TetgenResult> refined(const Recovery& r, Result<TetgenResult> mesh) {
   return settled(better) ? std::move(better) : std::move(mesh);
 }
 
+VertexMatrix joined(const VertexMatrix& a, const VertexMatrix& b) {
+  VertexMatrix all(a.rows() + b.rows(), 3);
+  all << a, b;
+  return all;
+}
+
 Result<TetgenResult> with_free_points(Recovery& r) {
-  const VertexMatrix free = free_points(r.plc.V, r.plc.F, r.context);
+  DelaunayStart begun = std::exchange(r.begun, {});
+  const VertexMatrix free =
+      begun.builder.points() > 0 ? std::move(begun.free_points) : free_points(r.plc.V, r.plc.F, r.context);
   if (auto stop = r.context.stop()) return *stop;
   Plc more = r.plc;
-  more.V.resize(r.plc.V.rows() + free.rows(), 3);
-  more.V << r.plc.V, free;
-  return tetrahedralize_delaunay_first(
-      more, r.context,
-      {.most_missing = 0.5, .free_points = static_cast<Index>(free.rows()), .parts = r.parts()});
+  more.V = joined(r.plc.V, free);
+  DelaunayFirstOptions options;
+  options.most_missing = 0.5;
+  options.free_points = static_cast<Index>(free.rows());
+  options.parts = r.parts();
+  return tetrahedralize_delaunay_first(more, r.context, options, std::move(begun.builder));
 }
 
 Result<TetgenResult> delaunay_first(Recovery& r) {
-  return refined(r,
-                 tetrahedralize_delaunay_first(r.plc, r.context, {.parts = r.parts()}, std::move(r.begun)));
+  return refined(r, tetrahedralize_delaunay_first(r.plc, r.context, {.parts = r.parts()}));
 }
 
 Result<TetgenResult> in_the_given_order(Recovery& r) {
@@ -206,8 +215,11 @@ struct Means {
 };
 // In the order in which they are tried, until one settles it. The one that always applies says why not.
 const std::array all_means = {
-    Means{[](const Recovery& r) { return r.may_be_delaunay() && r.options.free_points; }, with_free_points},
-    Means{[](const Recovery& r) { return r.may_be_delaunay() && r.may_split() && r.plc.F.rows() >= kLarge; },
+    Means{[](const Recovery& r) {
+            return r.may_be_delaunay() && r.options.free_points && (!r.may_split() || r.is_large());
+          },
+          with_free_points},
+    Means{[](const Recovery& r) { return r.may_be_delaunay() && r.may_split() && r.is_large(); },
           delaunay_first},
     Means{nullptr, in_the_given_order},
     Means{[](const Recovery& r) { return r.options.quality; }, in_other_orders},
@@ -230,7 +242,7 @@ Result<TetgenResult> by_all_means(Recovery recovery) {
 }  // namespace
 
 Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptions& options,
-                                               const RunContext& context, DelaunayBuilder begun) {
+                                               const RunContext& context, DelaunayStart begun) {
   TetgenOptions some = options;
   some.patience = std::min(options.patience, kShortPatience);
   Attempts attempts(options);
@@ -240,13 +252,16 @@ Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptio
   return by_all_means({plc, options, context, more, {}});
 }
 
-DelaunayBuilder begin_delaunay(const VertexMatrix& V, Eigen::Index facets, const RunContext& context) {
-  DelaunayBuilder builder;
-  const Index n = static_cast<Index>(V.rows());
-  if (facets < kWorthAStart || context.no_room_for(static_cast<std::size_t>(n) * kDelaunayBytesPerPoint))
-    return builder;
-  builder.insert(V.data(), n, [&] { return context.stop().has_value(); });
-  return builder;
+DelaunayStart begin_delaunay(const VertexMatrix& V, const TriangleMatrix& F, const RunContext& context) {
+  DelaunayStart start;
+  if (F.rows() < kWorthAStart) return start;
+  VertexMatrix free = free_points(V, F, context);
+  const VertexMatrix all = joined(V, free);
+  const Index n = static_cast<Index>(all.rows());
+  if (context.no_room_for(static_cast<std::size_t>(n) * kDelaunayBytesPerPoint)) return start;
+  if (start.builder.insert(all.data(), n, [&] { return context.stop().has_value(); }))
+    start.free_points = std::move(free);
+  return start;
 }
 
 }  // namespace overtet

@@ -114,10 +114,10 @@ Result<ImmersionResult> attempt(const Surface& surface, const std::vector<FacePa
   context.report("immersion", 0, "arrangement");
   // The Delaunay tets of the surface's own vertices are serial work and need no arrangement.
   std::optional<Result<Arrangement>> arranged;
-  DelaunayBuilder delaunay;
+  DelaunayStart delaunay;
   parallel_invoke([&] { arranged = arrange(surface, pairs, {tolerance}, context); },
                   [&] {
-                    if (tolerance == 0) delaunay = begin_delaunay(surface.V, surface.F.rows(), context);
+                    if (tolerance == 0) delaunay = begin_delaunay(surface.V, surface.F, context);
                   });
   Result<Arrangement>& arrangement = *arranged;
   if (!arrangement) return arrangement.error();
@@ -134,8 +134,10 @@ Result<ImmersionResult> attempt(const Surface& surface, const std::vector<FacePa
   tetgen.quality = options.radius_edge > 0 && worth_refining(plc.V, plc.F);
   if (tetgen.quality) tetgen.radius_edge = options.radius_edge;
   tetgen.patience = options.patience;
+  tetgen.free_points = true;
   tetgen.accept_split = true;  // added points leave the boundary like those of the arrangement
-  if (delaunay.points() != out.arrangement.input_positions) delaunay = {};  // vertices in one place
+  if (delaunay.builder.points() - delaunay.free_points.rows() != out.arrangement.input_positions)
+    delaunay = {};  // vertices in one place
   Result<TetgenResult> tets = tetrahedralize_stubbornly(plc, tetgen, context, std::move(delaunay));
   if (!tets) return tets.error();
   out.tet_mesh_seconds = watch.lap();

@@ -84,7 +84,8 @@ Plc with_points(const Plc& plc, const VertexMatrix& points) {
 TEST(FreePoints, AreVerticesInside) {
   const std::uint64_t seed = 23;
   SCOPED_TRACE("seed " + std::to_string(seed));
-  const Surface s = test::noisy(test::joined(test::torus(64, 32), test::sphere(4, 0.8, {4, 0, 0})), seed, 0.03);
+  const Surface s =
+      test::noisy(test::joined(test::torus(64, 32), test::sphere(4, 0.8, {4, 0, 0})), seed, 0.03);
   const Plc plc = plc_of(s);
   const VertexMatrix points = free_points(s.V, s.F, {});
   DelaunayFirstOptions options;
