@@ -234,6 +234,7 @@ class PartsMesher {
     Result<ImmersionResult> r = immerse(s, d.value().pairs, d.value().wound.edges, {}, job_.context);
     if (r) {
       ++immersed_;
+      piece.placed = r.value().free_points;
       piece.mesh = std::move(r.value().mesh);
       return piece;
     }

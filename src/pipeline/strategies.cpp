@@ -48,6 +48,7 @@ std::vector<Figure> figures_of(const ImmersionResult& x) {
           {"missing_facets", std::int64_t{x.missing_facets}},
           {"tetgen_facets", std::int64_t{x.tetgen_facets}},
           {"tetgen_parts", std::int64_t{x.tetgen_parts}},
+          {"free_points", std::int64_t{x.free_points}},
           {"steiner_points", std::int64_t{x.steiner_points}},
           {"boundary_points", std::int64_t{x.boundary_points}},
           {"refined_edges", std::int64_t{x.refined_edges}},
@@ -81,7 +82,7 @@ Result<Draft> mesh_immersed(const MeshingJob& job) {
     if (Status s = keep(job, "cover", x.cover); !s) return s.error();
     record.iterations = x.search_nodes;
     record.figures = figures_of(x);
-    return Draft{std::move(r.value().mesh), 0};
+    return Draft{std::move(r.value().mesh), x.free_points};
   });
 }
 
