@@ -44,8 +44,9 @@ class DelaunayFirst {
     if (auto error = fill_the_rest()) return *error;
     missing_.clear();
     if (auto stop = context_.stop()) return *stop;
+    const Index needed = static_cast<Index>(plc_.V.rows()) - options_.free_points;
     Result<TetgenResult> out =
-        without_outside(plc_, {tet_, next_, facet_on_, facets_, source_, added_points_}, replaced_);
+        without_outside(plc_, {tet_, next_, facet_on_, facets_, source_, added_points_, needed}, replaced_);
     if (out) {
       out.value().tetgen_facets = tetgen_facets_;
       out.value().peak_rss_bytes = peak_of_children_;
@@ -510,8 +511,8 @@ std::optional<Error> DelaunayFirst::mesh_piece(Piece& piece) const {
   }
   TetgenOptions options;
   options.quality = false;
-  options.accept_split = true;
-  options.patience = options_.patience;
+  options.accept_split = options_.parts.accept_split;
+  options.patience = options_.parts.patience;
   Result<TetgenResult> result = piece.cavities.size() == 1 ? tetrahedralize_shuffled(part, options, context_)
                                                            : tetrahedralize(part, options, context_);
   if (!result) return result.error();
@@ -569,11 +570,12 @@ Result<TetgenResult> tetrahedralize_delaunay_first(const Plc& plc, const RunCont
                                                    DelaunayBuilder begun) {
   const auto begin = RunContext::Clock::now();
   DelaunayMatch match(plc);
-  if (auto error = match.run(context, std::move(begun))) return *error;
+  if (auto error = match.run(context, std::move(begun), options.free_points)) return *error;
   const Index missing = static_cast<Index>(match.missing.size());
   const bool few = static_cast<double>(missing) <= options.most_missing * static_cast<double>(plc.F.rows());
-  Result<TetgenResult> out = few ? DelaunayFirst(match, context, options).run()
-                                 : mesh_in_parts(match, options.facets_per_part, options.patience, context);
+  if (!few && options.free_points > 0) return unsolved("Too many facets are missing for free points.");
+  Result<TetgenResult> out =
+      few ? DelaunayFirst(match, context, options).run() : mesh_in_parts(match, options.parts, context);
   if (out) {
     out.value().missing_facets = missing;
     out.value().seconds = std::chrono::duration<double>(RunContext::Clock::now() - begin).count();

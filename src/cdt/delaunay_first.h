@@ -8,22 +8,23 @@
 #pragma once
 
 #include "kernels/delaunay/delaunay.h"
+#include "src/cdt/domain_parts.h"
 #include "src/cdt/tetgen.h"
 
 namespace overtet {
 
 struct DelaunayFirstOptions {
-  // If more than this share of the facets is missing, TetGen does all of them, in parts of about so many.
+  // If more than this share of the facets is missing, TetGen does all of them, in parts.
   double most_missing = 0.2;
-  Index facets_per_part = 20'000;
   // If TetGen would get more facets and walls of cavities than this share of all facets, it may as well do
   // all of them.
   double most_left = 0.5;
-  double patience = 1;  // as TetgenOptions'
+  Index free_points = 0;    // the last so many points lie on no facet and may be left out
+  PartsOptions parts = {};  // patience and splits count for what TetGen is left with, too
 };
 
-// What tetrahedralize() with keep_facets, accept_split and without quality promises, for the same input. The
-// same result on any number of threads. begun: has the complex's first points.
+// What tetrahedralize() with keep_facets and without quality promises, for the same input. The same result on
+// any number of threads. begun: has the complex's first points, then the free ones.
 // Errors: those of tetrahedralize(); unsolved also where this does not pay.
 Result<TetgenResult> tetrahedralize_delaunay_first(const Plc& plc, const RunContext& context,
                                                    const DelaunayFirstOptions& options = {},

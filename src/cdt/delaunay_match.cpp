@@ -37,11 +37,12 @@ Index TriangleTable::find(const Triple& f) const {
   return -1;
 }
 
-std::optional<Error> DelaunayMatch::run(const RunContext& context, DelaunayBuilder begun) {
-  const Index n = static_cast<Index>(plc.V.rows()), first = begun.points();
-  if (auto error = context.no_room_for(static_cast<std::size_t>(n - first) * kDelaunayBytesPerPoint))
-    return error;
-  begun.insert(plc.V.data() + 3 * static_cast<std::ptrdiff_t>(first), n - first,
+std::optional<Error> DelaunayMatch::run(const RunContext& context, DelaunayBuilder begun, Index free) {
+  const Index n = static_cast<Index>(plc.V.rows()), before = begun.points();
+  OVERTET_EXPECTS(before == 0 || before >= free);
+  const Index first = before == 0 ? 0 : before - free, late = n - before;
+  if (auto error = context.no_room_for(static_cast<std::size_t>(late) * kDelaunayBytesPerPoint)) return error;
+  begun.insert(plc.V.data() + 3 * static_cast<std::ptrdiff_t>(first), late,
                [&] { return context.stop().has_value(); });
   if (auto stop = context.stop()) return stop;
   TetArrays all = begun.tets();
@@ -49,6 +50,12 @@ std::optional<Error> DelaunayMatch::run(const RunContext& context, DelaunayBuild
   if (all.tet.empty()) return Error{ErrorCode::unsolved, "All points lie in a plane."};
   tet = std::move(all.tet);
   next = std::move(all.next);
+  if (before > 0 && free > 0)  // numbered in another order than the complex's
+    parallel_for(static_cast<std::int64_t>(tet.size()), kLightGrain,
+                 [&](std::int64_t begin, std::int64_t end) {
+                   for (std::int64_t t = begin; t < end; ++t)
+                     for (Index& v : tet[t]) v = v < first ? v : v < before ? v + late : v - free;
+                 });
   facets.resize(plc.F.rows());
   for (std::size_t f = 0; f < facets.size(); ++f) facets[f] = {plc.F(f, 0), plc.F(f, 1), plc.F(f, 2)};
   replaced.assign(tet.size(), 0);
@@ -103,7 +110,7 @@ void DelaunayMatch::find_crossed_tets() {
 
 Result<TetgenResult> without_outside(const Plc& plc, const Filling& filling,
                                      const std::vector<char>& replaced) {
-  const auto& [tet, next, facet_on, facets, source, added] = filling;
+  const auto& [tet, next, facet_on, facets, source, added, needed] = filling;
   const std::int64_t n = static_cast<std::int64_t>(tet.size());
   const Index count = static_cast<Index>(facets.size());
   std::vector<char> gone(n, 0);
@@ -149,23 +156,28 @@ Result<TetgenResult> without_outside(const Plc& plc, const Filling& filling,
       }
     }
   });
-  // Points that TetGen has added outside are not needed.
+  // Free points outside, and those that TetGen has added there, are not needed.
   std::vector<Index> place(given + added.size(), -1);
   for (Index t = 0; t < kept; ++t)
     for (int k = 0; k < 4; ++k) place[out.T(t, k)] = 0;
-  for (Eigen::Index v = 0; v < given; ++v) {
+  for (Eigen::Index v = 0; v < needed; ++v) {
     if (place[v] < 0)
       return Error{ErrorCode::unsolved, "Vertex " + std::to_string(v) + " lies outside the facets."};
     place[v] = static_cast<Index>(v);
   }
   out.V.resize(static_cast<Eigen::Index>(place.size()), 3);
-  out.V.topRows(given) = plc.V;
-  Index last = static_cast<Index>(given);
-  for (std::size_t v = given; v < place.size(); ++v)
-    if (place[v] == 0) {
-      place[v] = last;
+  out.V.topRows(needed) = plc.V.topRows(needed);
+  Index last = needed;
+  for (Eigen::Index v = needed; v < out.V.rows(); ++v) {
+    if (v == given) out.free_points = last - needed;
+    if (place[v] < 0) continue;
+    place[v] = last;
+    if (v < given)
+      out.V.row(last++) = plc.V.row(v);
+    else
       out.V.row(last++) = added[v - given];
-    }
+  }
+  if (added.empty()) out.free_points = last - needed;
   if (last < static_cast<Index>(place.size())) {
     out.V.conservativeResize(last, 3);
     for (Index t = 0; t < kept; ++t)

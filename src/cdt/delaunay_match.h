@@ -39,8 +39,9 @@ class TriangleTable {
 struct DelaunayMatch {
   explicit DelaunayMatch(const Plc& complex) : plc(complex) {}
 
-  // Fills everything but crossed. The same on any number of threads. begun: has the complex's first points.
-  std::optional<Error> run(const RunContext& context, DelaunayBuilder begun = {});
+  // Fills everything but crossed. The same on any number of threads. begun: has the complex's first points,
+  // then the `free` last ones.
+  std::optional<Error> run(const RunContext& context, DelaunayBuilder begun = {}, Index free = 0);
 
   // The tets that each missing facet passes through, by facet.
   void find_crossed_tets();
@@ -60,10 +61,11 @@ struct Filling {
   const std::vector<Triple>& facets;           // the complex's, then parts of those that had to be split
   const std::vector<Index>& source;            // the complex's facet of each
   const std::vector<Eigen::Vector3d>& added;   // points; their numbers follow those of the complex
+  const Index needed;                          // so many of the complex's must be there
 };
 
 // The result without the tets that can be reached from outside without passing through a facet, and without
-// those that have been replaced. Errors: unsolved where a vertex of the complex is left out.
+// those that have been replaced. Errors: unsolved where one of the points to be kept is left out.
 Result<TetgenResult> without_outside(const Plc& plc, const Filling& filling,
                                      const std::vector<char>& replaced);
 

@@ -74,15 +74,14 @@ class Halving {
 // More than 12 members: four of them are names for fields of DelaunayMatch.
 class Parts {
  public:
-  Parts(const DelaunayMatch& match, Index facets_per_part, double patience, const RunContext& context)
+  Parts(const DelaunayMatch& match, const PartsOptions& options, const RunContext& context)
       : match_(match),
         plc_(match.plc),
         tet_(match.tet),
         next_(match.next),
         facet_on_(match.facet_on),
         facets_(match.facets),
-        per_part_(facets_per_part),
-        patience_(patience),
+        options_(options),
         context_(context) {}
 
   Result<TetgenResult> run();
@@ -137,8 +136,7 @@ class Parts {
   const Plc& plc_;
   const RawVector<Tet>&tet_, &next_, &facet_on_;
   const std::vector<Triple>& facets_;
-  const Index per_part_;
-  const double patience_;
+  const PartsOptions& options_;
   const RunContext& context_;
   std::vector<Index> clump_of_;            // per tet: tets that missing facets join, or -1
   std::vector<Eigen::Vector3d> clump_at_;  // per clump
@@ -148,8 +146,10 @@ class Parts {
 
 Result<TetgenResult> Parts::run() {
   const Index facets = static_cast<Index>(facets_.size());
-  if (facets < per_part_ / 2) return unsolved("There are too few facets to cut them into parts.");
-  const Index count = 2 * std::max<Index>(1, facets / (2 * per_part_));  // even: two threads get as much each
+  if (facets < options_.facets_per_part / 2)
+    return unsolved("There are too few facets to cut them into parts.");
+  const Index count =
+      2 * std::max<Index>(1, facets / (2 * options_.facets_per_part));  // even: two threads get as much each
   std::vector<char> used(plc_.V.rows(), 0);
   for (const Triple& f : facets_)
     for (const Index v : f) used[v] = 1;
@@ -274,9 +274,9 @@ void Parts::mesh(Part& part) const {
     for (int k = 0; k < 3; ++k) plc.F(r, k) = part.local(part.rows[r].face[k]);
   TetgenOptions options;
   options.quality = false;
-  options.accept_split = true;
+  options.accept_split = options_.accept_split;
   options.accept_unused = true;
-  options.patience = patience_;
+  options.patience = options_.patience;
   Result<TetgenResult> result = part.stubborn ? tetrahedralize_shuffled(plc, options, context_)
                                               : tetrahedralize(plc, options, context_);
   if (!result) {
@@ -414,7 +414,8 @@ Result<TetgenResult> Parts::join() const {
       next[doors[i].tet][doors[i].corner] = doors[i - 1].tet;
     }
   Result<TetgenResult> out =
-      without_outside(plc_, {tet, next, facet_on, facet, source, added}, std::vector<char>(tet.size(), 0));
+      without_outside(plc_, {tet, next, facet_on, facet, source, added, static_cast<Index>(plc_.V.rows())},
+                      std::vector<char>(tet.size(), 0));
   if (out) {
     out.value().tetgen_facets = tetgen_facets;
     out.value().peak_rss_bytes = peak;
@@ -425,12 +426,12 @@ Result<TetgenResult> Parts::join() const {
 
 }  // namespace
 
-Result<TetgenResult> mesh_in_parts(DelaunayMatch& match, Index facets_per_part, double patience,
+Result<TetgenResult> mesh_in_parts(DelaunayMatch& match, const PartsOptions& options,
                                    const RunContext& context) {
   match.find_crossed_tets();
   if (match.crossed.size() > kMostCrossed * match.missing.size())
     return unsolved("Missing facets pass through too many tets.");
-  return Parts(match, facets_per_part, patience, context).run();
+  return Parts(match, options, context).run();
 }
 
 }  // namespace overtet

@@ -11,12 +11,17 @@
 
 namespace overtet {
 
-// What tetrahedralize() with keep_facets, accept_split and without quality promises. Parts depend on the
+struct PartsOptions {
+  Index facets_per_part = 20'000;
+  double patience = 1;       // as TetgenOptions'
+  bool accept_split = true;  // as TetgenOptions'
+};
+
+// What tetrahedralize() with keep_facets and without quality promises. Parts depend on the
 // complex only, and the result is the same on any number of threads; as many parts as threads are in work.
-// patience: as TetgenOptions'.
 // Errors: those of tetrahedralize(); unsolved also where the complex has less than half as many facets as a
 // part should have, points on no facet, or missing facets that pass through very many tets.
-Result<TetgenResult> mesh_in_parts(DelaunayMatch& match, Index facets_per_part, double patience,
+Result<TetgenResult> mesh_in_parts(DelaunayMatch& match, const PartsOptions& options,
                                    const RunContext& context);
 
 }  // namespace overtet

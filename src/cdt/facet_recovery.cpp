@@ -12,6 +12,7 @@
 #include "kernels/delaunay/tuning.h"
 #include "src/cdt/delaunay_first.h"
 #include "src/cdt/delaunay_match.h"
+#include "src/cdt/free_points.h"
 #include "src/cdt/split_edges.h"
 #include "src/cdt/tuning.h"
 
@@ -136,7 +137,7 @@ struct Recovery {
   const TetgenOptions& options;
   const RunContext& context;
   Attempts& attempts;
-  DelaunayBuilder begun;
+  DelaunayStart begun;
 
   TetgenOptions without_points() const {
     TetgenOptions plain = options;
@@ -144,7 +145,11 @@ struct Recovery {
     return plain;
   }
   bool may_split() const { return options.keep_facets && options.accept_split; }
-  bool may_be_delaunay() const { return plc.holes.rows() == 0 && may_split() && !options.fill_convex_hull; }
+  bool may_be_delaunay() const {
+    return plc.holes.rows() == 0 && options.keep_facets && !options.fill_convex_hull;
+  }
+  bool is_large() const { return plc.F.rows() >= kLarge; }
+  PartsOptions parts() const { return {.patience = options.patience, .accept_split = options.accept_split}; }
 };
 
 // Points inside, where they are allowed and the mesh without them is crowded: flat tets fill gaps.
@@ -156,9 +161,28 @@ Result<TetgenResult> refined(const Recovery& r, Result<TetgenResult> mesh) {
   return settled(better) ? std::move(better) : std::move(mesh);
 }
 
+VertexMatrix joined(const VertexMatrix& a, const VertexMatrix& b) {
+  VertexMatrix all(a.rows() + b.rows(), 3);
+  all << a, b;
+  return all;
+}
+
+Result<TetgenResult> with_free_points(Recovery& r) {
+  DelaunayStart begun = std::exchange(r.begun, {});
+  const VertexMatrix free =
+      begun.builder.points() > 0 ? std::move(begun.free_points) : free_points(r.plc.V, r.plc.F, r.context);
+  if (auto stop = r.context.stop()) return *stop;
+  Plc more = r.plc;
+  more.V = joined(r.plc.V, free);
+  DelaunayFirstOptions options;
+  options.most_missing = 0.5;
+  options.free_points = static_cast<Index>(free.rows());
+  options.parts = r.parts();
+  return tetrahedralize_delaunay_first(more, r.context, options, std::move(begun.builder));
+}
+
 Result<TetgenResult> delaunay_first(Recovery& r) {
-  return refined(r, tetrahedralize_delaunay_first(r.plc, r.context, {.patience = r.options.patience},
-                                                  std::move(r.begun)));
+  return refined(r, tetrahedralize_delaunay_first(r.plc, r.context, {.parts = r.parts()}));
 }
 
 Result<TetgenResult> in_the_given_order(Recovery& r) {
@@ -178,7 +202,7 @@ Result<TetgenResult> in_other_orders_without_points(Recovery& r) {
 // However many facets are missing, and however many of them TetGen is left with.
 Result<TetgenResult> delaunay_at_any_price(Recovery& r) {
   return tetrahedralize_delaunay_first(r.plc, r.context,
-                                       {.most_missing = 1, .most_left = 10, .patience = r.options.patience});
+                                       {.most_missing = 1, .most_left = 10, .parts = r.parts()});
 }
 
 Result<TetgenResult> with_edges_cut(Recovery& r) {
@@ -191,7 +215,12 @@ struct Means {
 };
 // In the order in which they are tried, until one settles it. The one that always applies says why not.
 const std::array all_means = {
-    Means{[](const Recovery& r) { return r.may_be_delaunay() && r.plc.F.rows() >= kLarge; }, delaunay_first},
+    Means{[](const Recovery& r) {
+            return r.may_be_delaunay() && r.options.free_points && (!r.may_split() || r.is_large());
+          },
+          with_free_points},
+    Means{[](const Recovery& r) { return r.may_be_delaunay() && r.may_split() && r.is_large(); },
+          delaunay_first},
     Means{nullptr, in_the_given_order},
     Means{[](const Recovery& r) { return r.options.quality; }, in_other_orders},
     Means{[](const Recovery&) { return true; }, in_other_orders_without_points},
@@ -213,7 +242,7 @@ Result<TetgenResult> by_all_means(Recovery recovery) {
 }  // namespace
 
 Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptions& options,
-                                               const RunContext& context, DelaunayBuilder begun) {
+                                               const RunContext& context, DelaunayStart begun) {
   TetgenOptions some = options;
   some.patience = std::min(options.patience, kShortPatience);
   Attempts attempts(options);
@@ -223,13 +252,16 @@ Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptio
   return by_all_means({plc, options, context, more, {}});
 }
 
-DelaunayBuilder begin_delaunay(const VertexMatrix& V, Eigen::Index facets, const RunContext& context) {
-  DelaunayBuilder builder;
-  const Index n = static_cast<Index>(V.rows());
-  if (facets < kWorthAStart || context.no_room_for(static_cast<std::size_t>(n) * kDelaunayBytesPerPoint))
-    return builder;
-  builder.insert(V.data(), n, [&] { return context.stop().has_value(); });
-  return builder;
+DelaunayStart begin_delaunay(const VertexMatrix& V, const TriangleMatrix& F, const RunContext& context) {
+  DelaunayStart start;
+  if (F.rows() < kWorthAStart) return start;
+  VertexMatrix free = free_points(V, F, context);
+  const VertexMatrix all = joined(V, free);
+  const Index n = static_cast<Index>(all.rows());
+  if (context.no_room_for(static_cast<std::size_t>(n) * kDelaunayBytesPerPoint)) return start;
+  if (start.builder.insert(all.data(), n, [&] { return context.stop().has_value(); }))
+    start.free_points = std::move(free);
+  return start;
 }
 
 }  // namespace overtet

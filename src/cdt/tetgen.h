@@ -34,6 +34,7 @@ struct TetgenOptions {
   double tolerance = 0;           // TetGen -T, for its coplanarity test; 0: TetGen's default
   Index largest_star = 0;         // of tets around an edge that its flips may take apart; 0: any
   double patience = 1;            // part of the work after which it is taken not to end; for what is a luxury
+  bool free_points = false;       // with Delaunay tets first: with points off the facets (free_points.h)
 
   Status validate() const;
 };
@@ -48,6 +49,7 @@ struct TetgenResult {
                                                // row of facets on the face opposite to each vertex, or -1
   std::vector<Index> facet_markers;            // #facets
   std::vector<Index> facet_sources;            // #facets; the row of Plc::F that each is part of
+  Index free_points = 0;                       // inside: the vertices that follow the input's
   Index missing_facets = 0;                    // no faces of the Delaunay tets, where those come first
   Index tetgen_facets = 0;                     // that TetGen has worked on, walls of cavities included
   Index parts = 1;                             // meshed one by one (domain_parts.h)
@@ -75,17 +77,25 @@ Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options
 Result<TetgenResult> tetrahedralize_shuffled(const Plc& plc, const TetgenOptions& options,
                                              const RunContext& context);
 
+// Delaunay tets of a complex's first points and of free points.
+struct DelaunayStart {
+  DelaunayBuilder builder;   // of points, then of the free ones; empty: nothing is begun
+  VertexMatrix free_points;  // #free x 3
+};
+
 // All means in turn. First without points inside, whatever options.quality says: that is fastest, but leaves
 // flat tets where many points lie on a sphere; then with them, if options.quality allows it. Large inputs
-// start from Delaunay tets (delaunay_first.h), and so do those where TetGen fails in every order. Last, with
+// start from Delaunay tets (delaunay_first.h), and so do those where TetGen fails in every order. With
+// options.free_points that is what is tried first, for those whose facets must stay whole whatever their
+// size: some points inside cost little there, and spare those who refine the mesh much. Last, with
 // accept_split, edges of facets that TetGen would have to fight for are cut in half (split_edges.h). All this
 // with some patience first, and then with all of it. Of many facets there are fewer attempts, in proportion
 // to options.patience. begun: from begin_delaunay() with the complex's first points, to the last bit.
 Result<TetgenResult> tetrahedralize_stubbornly(const Plc& plc, const TetgenOptions& options,
-                                               const RunContext& context, DelaunayBuilder begun = {});
+                                               const RunContext& context, DelaunayStart begun = {});
 
 // The serial part of large inputs, for while their last points are still being computed. V: the first ones,
-// #V x 3; facets: how many there will be at least. Without points where that would not help or cannot be.
-DelaunayBuilder begin_delaunay(const VertexMatrix& V, Eigen::Index facets, const RunContext& context);
+// #V x 3; F: #F x 3, of which the facets will be pieces. Empty where that would not help or cannot be.
+DelaunayStart begin_delaunay(const VertexMatrix& V, const TriangleMatrix& F, const RunContext& context);
 
 }  // namespace overtet

@@ -53,6 +53,18 @@ constexpr std::int64_t kSampledFacets = 2048;
 // that TetGen does sooner than the whole.
 constexpr std::size_t kMostCrossed = 20;
 
+// --- Free points (free_points.cpp) ---
+
+// A cell of the octree with more vertices is divided: cells are about as large as two or three faces then,
+// and an empty one beside them leaves room for well-shaped tets. With 5 or 40, the quality pass leaves the
+// same angles and takes as long.
+constexpr std::size_t kVerticesPerCell = 10;
+// Faces for each vertex in a cell: about 3. Where it has many more, needles pass through, and dividing it
+// only copies them.
+constexpr std::size_t kFacesPerVertex = 8;
+// Of a cell's size: the range around its middle in which the point lies.
+constexpr double kOffMiddle = 0.2;
+
 // --- Roofs over needles (star_areas.cpp, roofs.cpp) ---
 
 // Sine of the smallest angle of a needle: 0.6 degrees. With no more of them, an area is no trouble for

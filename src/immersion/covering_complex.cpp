@@ -122,10 +122,16 @@ class Builder {
     position_.reserve(surface_vertices + tets_.V.rows());
     for (Index v = 0; v < surface_vertices; ++v)
       position_.push_back(arrangement_.V.row(arrangement_.vertex_of_input[v]));
-    for (std::size_t i = 0; i < 4 * n; ++i)
-      if (root[i] == static_cast<Index>(i) && number[i] < 0) {
+    const Index begin_free = static_cast<Index>(arrangement_.V.rows()),
+                end_free = begin_free + tets_.free_points;
+    for (const bool free : {true, false})
+      for (std::size_t i = 0; i < 4 * n; ++i) {
+        if (root[i] != static_cast<Index>(i) || number[i] >= 0) continue;
+        const Index v = copies_.tet[i / 4][i % 4];
+        if (free && (v < begin_free || v >= end_free)) continue;
         number[i] = next++;
-        position_.push_back(tets_.V.row(copies_.tet[i / 4][i % 4]));
+        position_.push_back(tets_.V.row(v));
+        free_points_ += free;
       }
     parallel_for(static_cast<std::int64_t>(n), kLightGrain, [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t c = begin; c < end; ++c)
@@ -380,6 +386,7 @@ class Builder {
   Result<Cover> finish() {
     Cover out;
     out.split_edges = split_;
+    out.free_points = free_points_;
     out.mesh.surface_vertices = static_cast<Index>(surface_.V.rows());
     out.mesh.V.resize(position_.size(), 3);
     for (std::size_t v = 0; v < position_.size(); ++v) out.mesh.V.row(v) = position_[v];
@@ -413,7 +420,7 @@ class Builder {
   std::vector<Index> first_;  // the first copy of each tet
   Copies copies_;
   std::vector<Eigen::Vector3d> position_;
-  Index split_ = 0;
+  Index split_ = 0, free_points_ = 0;
 };
 
 }  // namespace

@@ -12,8 +12,9 @@
 namespace overtet {
 
 struct Cover {
-  TetMesh mesh;                                // the first surface_vertices rows are the surface's vertices
-  TetMatrix neighbours;                        // #T x 4; as TetComplex has them
+  TetMesh mesh;           // the first surface_vertices rows are the surface's vertices, so many
+  Index free_points = 0;  // that follow are copies of TetgenResult's free points
+  TetMatrix neighbours;   // #T x 4; as TetComplex has them
   std::vector<std::array<Index, 3>> boundary;  // boundary triangles, outward
   std::vector<Index> face;                     // the input face that each lies on
   Index split_edges = 0;  // edges halved because another edge had the same two end vertices

@@ -95,13 +95,17 @@ Realised realise(const Surface& surface, const TetgenResult& tets, std::span<con
   context.report("immersion", 0.8, "boundary points");
   TetComplex complex(cover.value().mesh.V, cover.value().mesh.T, cover.value().neighbours);
   const Status cleared = clear_boundary(surface, cover.value(), context, complex, out);
+  const Index free_points = cover.value().free_points;
   out.cover = std::move(cover).value().mesh;
   out.boundary_seconds += watch.lap();
   if (!cleared) return {true, cleared.error()};
   if (out.arrangement.tolerant)
     if (Status home = return_home(surface, context, complex); !home) return {true, home.error()};
-  complex.compact(static_cast<Index>(surface.V.rows()));
-  out.mesh = complex.to_mesh(static_cast<Index>(surface.V.rows()));
+  const Index n = static_cast<Index>(surface.V.rows());
+  out.free_points = 0;
+  for (Index v = n; v < n + free_points; ++v) out.free_points += complex.tet_of(v) >= 0;
+  complex.compact(n);
+  out.mesh = complex.to_mesh(n);
   return {true, std::nullopt};
 }
 
@@ -114,10 +118,10 @@ Result<ImmersionResult> attempt(const Surface& surface, const std::vector<FacePa
   context.report("immersion", 0, "arrangement");
   // The Delaunay tets of the surface's own vertices are serial work and need no arrangement.
   std::optional<Result<Arrangement>> arranged;
-  DelaunayBuilder delaunay;
+  DelaunayStart delaunay;
   parallel_invoke([&] { arranged = arrange(surface, pairs, {tolerance}, context); },
                   [&] {
-                    if (tolerance == 0) delaunay = begin_delaunay(surface.V, surface.F.rows(), context);
+                    if (tolerance == 0) delaunay = begin_delaunay(surface.V, surface.F, context);
                   });
   Result<Arrangement>& arrangement = *arranged;
   if (!arrangement) return arrangement.error();
@@ -134,12 +138,14 @@ Result<ImmersionResult> attempt(const Surface& surface, const std::vector<FacePa
   tetgen.quality = options.radius_edge > 0 && worth_refining(plc.V, plc.F);
   if (tetgen.quality) tetgen.radius_edge = options.radius_edge;
   tetgen.patience = options.patience;
+  tetgen.free_points = true;
   tetgen.accept_split = true;  // added points leave the boundary like those of the arrangement
-  if (delaunay.points() != out.arrangement.input_positions) delaunay = {};  // vertices in one place
+  if (delaunay.builder.points() - delaunay.free_points.rows() != out.arrangement.input_positions)
+    delaunay = {};  // vertices in one place
   Result<TetgenResult> tets = tetrahedralize_stubbornly(plc, tetgen, context, std::move(delaunay));
   if (!tets) return tets.error();
   out.tet_mesh_seconds = watch.lap();
-  out.steiner_points = static_cast<Index>(tets.value().V.rows() - plc.V.rows());
+  out.steiner_points = static_cast<Index>(tets.value().V.rows() - plc.V.rows()) - tets.value().free_points;
   out.missing_facets = tets.value().missing_facets;
   out.tetgen_facets = tets.value().tetgen_facets;
   out.tetgen_parts = tets.value().parts;

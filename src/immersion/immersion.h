@@ -35,7 +35,8 @@ struct ImmersionOptions {
 
 // More than 12 members: a record of figures beside the mesh.
 struct ImmersionResult {
-  TetMesh mesh;  // boundary = the input surface
+  TetMesh mesh;           // boundary = the input surface
+  Index free_points = 0;  // the vertices that follow the surface's: copies of TetgenResult's
   Arrangement arrangement;
   TetMesh cover;  // before the boundary points were moved inside
   Index cells = 0, regions = 0, constraints = 0;

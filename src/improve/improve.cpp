@@ -241,7 +241,7 @@ class Improver {
   Result<ImproveResult> run() {
     result_.before = dihedral_statistics(mesh_.V, mesh_.T);
     loose_.assign(static_cast<std::size_t>(mesh_.V.rows()), 1);
-    std::fill(loose_.begin(), loose_.begin() + mesh_.surface_vertices, 0);
+    std::fill(loose_.begin(), loose_.begin() + mesh_.surface_vertices + options_.placed, 0);
 
     thin_out();
     if (options_.sizes.any())
@@ -533,6 +533,7 @@ Status ImproveOptions::validate() const {
   if (!(growth >= 1)) return Error{ErrorCode::usage, "The allowed growth of the mesh must be at least 1."};
   if (passes < 0) return Error{ErrorCode::usage, "The number of passes must not be negative."};
   if (!(effort >= 0)) return Error{ErrorCode::usage, "The effort of the quality pass must not be negative."};
+  if (placed < 0) return Error{ErrorCode::usage, "The number of placed vertices must not be negative."};
   if (tets_per_part < 1) return Error{ErrorCode::usage, "A part of the mesh must have at least one tet."};
   if (!(sizes.max_volume > 0 && sizes.max_edge > 0))
     return Error{ErrorCode::usage,
@@ -546,6 +547,7 @@ Status ImproveOptions::validate() const {
 
 Result<ImproveResult> improve(TetMesh& mesh, const ImproveOptions& options, const RunContext& context) {
   if (auto status = options.validate(); !status.ok()) return status.error();
+  OVERTET_EXPECTS(mesh.surface_vertices + options.placed <= mesh.V.rows());
   OVERTET_EXPECTS(first_not_positive(mesh) < 0);
   if (auto error = context.stop()) return *error;
   return Improver(mesh, options, context).run();

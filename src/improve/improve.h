@@ -62,6 +62,9 @@ struct ImproveOptions {
   // A mesh of more than twice as many is cut into parts: two for refinement, eight or more for the passes.
   std::int64_t tets_per_part = 40000;
   SizeOptions sizes;
+  // So many vertices inside, the first after the surface's, lie where tets around them can be well shaped:
+  // refinement works with them. Others are what making the mesh has left, perhaps too near to each other.
+  Index placed = 0;
   bool coarse = false;  // in the end as few vertices inside as the target angle (and the sizes) allow
   // Of wall time, where the caller wants one; at most half of what the context has left is used.
   double seconds = 1e9;

@@ -218,7 +218,8 @@ Index some_bad(const LocalOperations& work, double goal, std::mt19937& random) {
 // A part of the mesh with some of the worst tets.
 struct Place {
   MeshPart part;
-  std::vector<char> kind;  // of the part's first vertices, 1: shared with other parts, 2: pinched (partition.h)
+  std::vector<char>
+      kind;  // of the part's first vertices, 1: shared with other parts, 2: pinched (partition.h)
 };
 
 // What is done at one place, in one way: on a complex of its own, until the best way is known.
@@ -376,9 +377,9 @@ class Places {
     for (const Place& place : places_) worst_.push_back(worst_of(place.part.complex, place.kind));
   }
 
-  // Lifts the worst tets until one resists, or all are at `limit`. Each time those within a factor of the very
-  // worst, more places at the same time the longer that goes well: what is done beside a tet that resists is
-  // in vain. The order of the results counts, not who was done first.
+  // Lifts the worst tets until one resists, or all are at `limit`. Each time those within a factor of the
+  // very worst, more places at the same time the longer that goes well: what is done beside a tet that
+  // resists is in vain. The order of the results counts, not who was done first.
   int lift(double limit, Effort& left, double& resisted, const RunContext& context) {
     int lifts = 0;
     for (std::size_t at_once = 1; left.lifts > 0 && left.steps > 0 && !context.stop();) {
@@ -423,7 +424,8 @@ class Places {
     std::vector<std::optional<Lifting>> ways(kWays * these.size());
     std::vector<std::vector<double>> low(ways.size());
     parallel_tasks(std::ssize(ways), [&](std::int64_t i) {
-      Lifting& way = ways[i].emplace(places_[these[i / kWays].second], target_, kPatchLayers[i % kWays], left);
+      Lifting& way =
+          ways[i].emplace(places_[these[i / kWays].second], target_, kPatchLayers[i % kWays], left);
       way.run(below, context);
       low[i] = way.low(below);
     });
@@ -476,9 +478,9 @@ WorstTets worst_tets(const TetMesh& mesh, double target, std::int64_t most) {
   return worst;
 }
 
-// Takes the worst tets' places out of the mesh, lifts them, and puts those that have changed back: a few passes
-// over the mesh, however many places there are. Returns how many times one got better; resisted: the quality of
-// the worst tet that did not, 1 where there is none.
+// Takes the worst tets' places out of the mesh, lifts them, and puts those that have changed back: a few
+// passes over the mesh, however many places there are. Returns how many times one got better; resisted: the
+// quality of the worst tet that did not, 1 where there is none.
 int lift_places(TetMesh& mesh, double target, Effort& left, double& resisted, const RunContext& context) {
   const WorstTets worst = worst_tets(mesh, target, kTaken.of(mesh.T.rows()));
   if (worst.tets.empty() || worst.tets.front().first > kSameQuality * resisted) return 0;

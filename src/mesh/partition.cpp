@@ -105,8 +105,8 @@ void find_pinched(MeshPart& part, const std::vector<char>& shared) {
     if (pinched[v]) part.pinched.push_back(v);
 }
 
-// corners(t): of each of the tets; position(v); is_shared(v, n): v has tets elsewhere, and n of these. Vertices are
-// numbered in the order of first use: what is near lies near in memory.
+// corners(t): of each of the tets; position(v); is_shared(v, n): v has tets elsewhere, and n of these.
+// Vertices are numbered in the order of first use: what is near lies near in memory.
 template <class Corners, class Position, class IsShared>
 MeshPart make_part(std::span<const Index> tets, Index vertices, Corners&& corners, Position&& position,
                    IsShared&& is_shared) {
@@ -344,7 +344,8 @@ Pieces in_pieces(const TetMesh& mesh, std::span<const Index> chosen, int parts, 
   }
   Pieces result;
   result.part_of.assign(static_cast<std::size_t>(mesh.T.rows()), -1);
-  for (std::size_t i = 0; i < chosen.size(); ++i) result.part_of[chosen[i]] = part_of_piece[piece_of[chosen[i]]];
+  for (std::size_t i = 0; i < chosen.size(); ++i)
+    result.part_of[chosen[i]] = part_of_piece[piece_of[chosen[i]]];
   if (all > 0)
     result.uneven =
         static_cast<double>(*std::max_element(load.begin(), load.end())) * parts / static_cast<double>(all);

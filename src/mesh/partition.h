@@ -35,8 +35,8 @@ struct MeshPart {
 std::vector<int> cut_apart(const TetMesh& mesh, std::span<const Index> chosen, int parts, double slack,
                            std::span<const int> weight = {});
 
-// Pieces of the chosen tets that share no vertex, numbered 0 .. count - 1 in the order of their first tets; -1
-// for other tets.
+// Pieces of the chosen tets that share no vertex, numbered 0 .. count - 1 in the order of their first tets;
+// -1 for other tets.
 std::vector<int> connected_pieces(const TetMesh& mesh, std::span<const char> chosen, int& count);
 
 // Whole pieces, without any cut: tets with a common vertex are in the same part; otherwise the weights are as
@@ -50,13 +50,14 @@ Pieces in_pieces(const TetMesh& mesh, std::span<const Index> chosen, int parts, 
 // One part for each number that occurs; tets with -1 are in none.
 std::vector<MeshPart> take_parts(const TetMesh& mesh, std::span<const int> part_of, int parts);
 
-// The same for some tets of a complex: the part numbers its vertices in the order in which `tets` meet them. What
-// is shared is so with the rest of this complex. Linear in the stars of the part's vertices.
+// The same for some tets of a complex: the part numbers its vertices in the order in which `tets` meet them.
+// What is shared is so with the rest of this complex. Linear in the stars of the part's vertices.
 MeshPart take_part(const TetComplex& mesh, std::span<const Index> tets);
 
-// Puts such a part back in the place of its tets; `created` becomes the numbers of its tets there, in the order of
-// the part's. Vertices keep their numbers, new ones come last. Linear in the part.
-void put_part(TetComplex& mesh, std::span<const Index> tets, const MeshPart& part, std::vector<Index>& created);
+// Puts such a part back in the place of its tets; `created` becomes the numbers of its tets there, in the
+// order of the part's. Vertices keep their numbers, new ones come last. Linear in the part.
+void put_part(TetComplex& mesh, std::span<const Index> tets, const MeshPart& part,
+              std::vector<Index>& created);
 
 // The mesh with its parts as they are now. Tets outside the parts come first, in their order, then the
 // parts'. Vertices keep their order; unused ones that are not the surface's are dropped, new ones come last.

@@ -87,7 +87,7 @@ class PartsMesher {
  public:
   explicit PartsMesher(const MeshingJob& job) : job_(job) {}
 
-  Result<TetMesh> run(StageRecord& record) {
+  Result<Draft> run(StageRecord& record) {
     std::vector<Part> parts = find_parts(job_.surface, job_.diagnosis);
     const std::size_t count = parts.size();
     record.figures.emplace_back("parts", static_cast<std::int64_t>(count));
@@ -139,9 +139,10 @@ class PartsMesher {
     record.figures.emplace_back("groups", static_cast<std::int64_t>(done_.size()));
     record.figures.emplace_back("immersed", immersed_);
     record.figures.emplace_back("by_nearby_surface", nearby_);
-    TetMesh mesh = united(job_.surface.V, {done_.begin(), done_.end()});
-    record.figures.emplace_back("tets", std::int64_t{mesh.T.rows()});
-    return mesh;
+    Draft whole = united(job_.surface.V, {done_.begin(), done_.end()});
+    record.figures.emplace_back("free_points", std::int64_t{whole.placed});
+    record.figures.emplace_back("tets", std::int64_t{whole.mesh.T.rows()});
+    return whole;
   }
 
  private:
@@ -217,10 +218,11 @@ class PartsMesher {
     const bool crossing = std::any_of(job_.diagnosis.pairs.begin(), job_.diagnosis.pairs.end(),
                                       [&](const FacePair& p) { return is_in(p.first) && is_in(p.second); });
     if (single && !crossing) {
-      Result<TetMesh> plain = mesh_plain(s, job_.context);
+      Result<PlainMesh> plain = mesh_plain(s, job_.context);
       if (!plain && plain.error().code != ErrorCode::unsolved) return plain.error();
       if (plain) {
-        piece.mesh = std::move(plain).value();
+        piece.mesh = std::move(plain.value().draft.mesh);
+        piece.placed = plain.value().draft.placed;
         return piece;
       }
     }
@@ -232,6 +234,7 @@ class PartsMesher {
     Result<ImmersionResult> r = immerse(s, d.value().pairs, d.value().wound.edges, {}, job_.context);
     if (r) {
       ++immersed_;
+      piece.placed = r.value().free_points;
       piece.mesh = std::move(r.value().mesh);
       return piece;
     }
@@ -249,7 +252,7 @@ class PartsMesher {
   std::int64_t immersed_ = 0, nearby_ = 0;
 };
 
-Result<TetMesh> mesh_directly(const Surface& surface, const RunContext& context) {
+Result<PlainMesh> mesh_directly(const Surface& surface, const RunContext& context) {
   Plc plc;
   plc.V = surface.V;
   plc.F = surface.F;
@@ -258,17 +261,23 @@ Result<TetMesh> mesh_directly(const Surface& surface, const RunContext& context)
   // What it does not fill like this, the immersion route, which may cut the surface's edges on the way, does
   // better.
   options.patience = kShortPatience;
+  options.free_points = true;
   Result<TetgenResult> tets = tetrahedralize_stubbornly(plc, options, context);
   if (!tets) return tets.error();
-  TetMesh mesh;
-  mesh.V = std::move(tets.value().V);
-  mesh.T = std::move(tets.value().T);
-  mesh.surface_vertices = static_cast<Index>(surface.V.rows());
-  return mesh;
+  TetgenResult& t = tets.value();
+  PlainMesh out;
+  out.draft.mesh.V = std::move(t.V);
+  out.draft.mesh.T = std::move(t.T);
+  out.draft.mesh.surface_vertices = static_cast<Index>(surface.V.rows());
+  out.draft.placed = t.free_points;
+  out.missing_facets = t.missing_facets;
+  out.tetgen_facets = t.tetgen_facets;
+  out.tetgen_parts = t.parts;
+  return out;
 }
 
 // Where needles lie in flat areas. Errors: unsolved also where there is none.
-Result<TetMesh> mesh_under_roofs(const Surface& surface, const RunContext& context) {
+Result<PlainMesh> mesh_under_roofs(const Surface& surface, const RunContext& context) {
   const Result<std::vector<StarArea>> areas = find_star_areas(surface, context);
   if (!areas) return areas.error();
   if (areas.value().empty()) return Error{ErrorCode::unsolved, "No needles lie in flat areas."};
@@ -278,25 +287,34 @@ Result<TetMesh> mesh_under_roofs(const Surface& surface, const RunContext& conte
   context.note(LogLevel::debug, "Roofs over " + std::to_string(r.hubs.rows()) + " of " +
                                     std::to_string(areas.value().size()) + " flat areas of needles.");
   if (r.hubs.rows() == 0) return Error{ErrorCode::unsolved, "No roof can be raised over the needles."};
-  const Result<TetMesh> below = mesh_directly(r.surface, context);
+  Result<PlainMesh> below = mesh_directly(r.surface, context);
   if (!below) return below.error();
-  // First the surface's vertices, then those of roofs, hubs, and TetGen's own.
-  const TetMesh& inner = below.value();
+  // First the surface's vertices, then free points, then those of roofs, hubs, and TetGen's own.
+  const TetMesh inner = std::move(below.value().draft.mesh);
   const auto n = static_cast<Index>(surface.V.rows()), kept = static_cast<Index>(r.vertex.size());
-  const Index hubs = static_cast<Index>(r.hubs.rows()),
-              own = static_cast<Index>(inner.V.rows()) - inner.surface_vertices;
-  TetMesh out;
+  const Index hubs = static_cast<Index>(r.hubs.rows()), free = below.value().draft.placed,
+              own = static_cast<Index>(inner.V.rows()) - inner.surface_vertices - free;
+  const Index begin_roofs = n + free, begin_hubs = begin_roofs + r.roof_vertices,
+              begin_own = begin_hubs + hubs;
+  TetMesh& out = below.value().draft.mesh;
+  out = {};
   out.surface_vertices = n;
-  out.V.resize(n + r.roof_vertices + hubs + own, 3);
-  out.V << surface.V, inner.V.middleRows(kept, r.roof_vertices), r.hubs, inner.V.bottomRows(own);
+  out.V.resize(begin_own + own, 3);
+  out.V << surface.V, inner.V.middleRows(inner.surface_vertices, free),
+      inner.V.middleRows(kept, r.roof_vertices), r.hubs, inner.V.bottomRows(own);
+  const auto number_inside = [&](Index v) {
+    if (v < kept) return r.vertex[v];
+    if (v < inner.surface_vertices) return begin_roofs + v - kept;
+    const Index i = v - inner.surface_vertices;
+    return i < free ? n + i : begin_own + i - free;
+  };
+  const auto number_of_slab = [&](Index v) { return v < n ? v : v + free; };
   out.T.resize(inner.T.rows() + r.slabs.rows(), 4);
-  out.T.bottomRows(r.slabs.rows()) = r.slabs;
   for (Eigen::Index t = 0; t < inner.T.rows(); ++t)
-    for (int k = 0; k < 4; ++k) {
-      const Index v = inner.T(t, k);
-      out.T(t, k) = v < kept ? r.vertex[v] : v < inner.surface_vertices ? n + v - kept : n + v - kept + hubs;
-    }
-  return out;
+    for (int k = 0; k < 4; ++k) out.T(t, k) = number_inside(inner.T(t, k));
+  for (Eigen::Index t = 0; t < r.slabs.rows(); ++t)
+    for (int k = 0; k < 4; ++k) out.T(inner.T.rows() + t, k) = number_of_slab(r.slabs(t, k));
+  return below;
 }
 
 }  // namespace
@@ -306,9 +324,9 @@ bool is_plain(const Diagnosis& d) {
          std::all_of(d.component_volume.begin(), d.component_volume.end(), [](double v) { return v > 0; });
 }
 
-Result<TetMesh> mesh_plain(const Surface& surface, const RunContext& context) {
+Result<PlainMesh> mesh_plain(const Surface& surface, const RunContext& context) {
   {
-    Result<TetMesh> roofed = mesh_under_roofs(surface, context);
+    Result<PlainMesh> roofed = mesh_under_roofs(surface, context);
     if (roofed || roofed.error().code != ErrorCode::unsolved) return roofed;
   }
   return mesh_directly(surface, context);
@@ -324,31 +342,37 @@ std::vector<SubSurface> parts_of(const Surface& surface, const Diagnosis& d) {
   return out;
 }
 
-TetMesh united(const VertexMatrix& V, const std::vector<PartMesh>& parts) {
-  TetMesh out;
+Draft united(const VertexMatrix& V, const std::vector<PartMesh>& parts) {
+  Draft draft;
+  TetMesh& out = draft.mesh;
   out.surface_vertices = static_cast<Index>(V.rows());
   Eigen::Index vertices = out.surface_vertices, tets = 0;
   for (const PartMesh& p : parts) {
     vertices += p.mesh.V.rows() - static_cast<Eigen::Index>(p.vertices.size());
     tets += p.mesh.T.rows();
+    draft.placed += p.placed;
   }
   out.V.resize(vertices, 3);
   out.T.resize(tets, 4);
   out.V.topRows(out.surface_vertices) = V;
-  Index next_vertex = out.surface_vertices;
+  Index next_placed = out.surface_vertices, next_other = next_placed + draft.placed;
   Eigen::Index next_tet = 0;
   for (const PartMesh& p : parts) {
-    const Index own = static_cast<Index>(p.vertices.size());
-    const Eigen::Index added = p.mesh.V.rows() - own;
-    out.V.middleRows(next_vertex, added) = p.mesh.V.bottomRows(added);
+    const Index own = static_cast<Index>(p.vertices.size()), begin_others = own + p.placed,
+                others = static_cast<Index>(p.mesh.V.rows()) - begin_others;
+    out.V.middleRows(next_placed, p.placed) = p.mesh.V.middleRows(own, p.placed);
+    out.V.middleRows(next_other, others) = p.mesh.V.bottomRows(others);
     for (Eigen::Index t = 0; t < p.mesh.T.rows(); ++t, ++next_tet)
       for (int k = 0; k < 4; ++k) {
         const Index v = p.mesh.T(t, k);
-        out.T(next_tet, k) = v < own ? p.vertices[v] : next_vertex + v - own;
+        out.T(next_tet, k) = v < own            ? p.vertices[v]
+                             : v < begin_others ? next_placed + v - own
+                                                : next_other + v - begin_others;
       }
-    next_vertex += static_cast<Index>(added);
+    next_placed += p.placed;
+    next_other += others;
   }
-  return out;
+  return draft;
 }
 
 bool has_parts(const Surface& surface, const Diagnosis& d) {
@@ -359,7 +383,7 @@ bool has_parts(const Surface& surface, const Diagnosis& d) {
   return false;
 }
 
-Result<TetMesh> mesh_by_parts(const MeshingJob& job) {
+Result<Draft> mesh_by_parts(const MeshingJob& job) {
   OVERTET_EXPECTS(has_parts(job.surface, job.diagnosis));
   return timed_stage("parts", job.records, job.context,
                      [&](StageRecord& record) { return PartsMesher(job).run(record); });

@@ -15,14 +15,19 @@
 #include "overtet/types.h"
 #include "src/certificates/diagnose.h"
 #include "src/mesh/submesh.h"
+#include "src/pipeline/draft.h"
 #include "src/pipeline/meshing_job.h"
 
 namespace overtet {
 
 // No crossings, no component inside another one: any mesh of the inside is the answer.
 bool is_plain(const Diagnosis& diagnosis);
-// pre: is_plain(). TetGen alone.
-Result<TetMesh> mesh_plain(const Surface& surface, const RunContext& context);
+struct PlainMesh {
+  Draft draft;
+  Index missing_facets = 0, tetgen_facets = 0, tetgen_parts = 0;  // as TetgenResult's
+};
+// By Delaunay tets, or TetGen, with roofs over needles. pre: is_plain().
+Result<PlainMesh> mesh_plain(const Surface& surface, const RunContext& context);
 
 // The parts, where there are two or more.
 std::vector<SubSurface> parts_of(const Surface& surface, const Diagnosis& diagnosis);
@@ -30,14 +35,15 @@ std::vector<SubSurface> parts_of(const Surface& surface, const Diagnosis& diagno
 struct PartMesh {
   std::vector<Index> vertices;  // of the whole, increasing: the part's surface vertices
   TetMesh mesh;
+  Index placed = 0;  // as Draft's
 };
 // One mesh with the surface vertices V; those in `parts` are not looked at.
-TetMesh united(const VertexMatrix& V, const std::vector<PartMesh>& parts);
+Draft united(const VertexMatrix& V, const std::vector<PartMesh>& parts);
 
 // Whether several parts lie so close to each other that meshing them one by one is worth while.
 bool has_parts(const Surface& surface, const Diagnosis& diagnosis);
 
 // A positive tet mesh of the surface, not yet checked. pre: has_parts().
-Result<TetMesh> mesh_by_parts(const MeshingJob& job);
+Result<Draft> mesh_by_parts(const MeshingJob& job);
 
 }  // namespace overtet

@@ -70,6 +70,7 @@ TetMesh improved(const FinishingJob& job, const UnitBox& box, const TetMesh& mes
     options.target_degrees = job.improve_degrees;
     options.sizes = in_box(job.sizes, box);
     options.coarse = job.sizes.coarse;
+    options.placed = job.placed;
     Result<ImproveResult> r = improve(better, options, job.context);
     if (!r) return r.error();
     if (r.value().end == ImproveResult::End::time_over)

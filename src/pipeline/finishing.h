@@ -18,6 +18,7 @@ struct FinishingJob {
   std::vector<StageRecord>& records;
   TetSizes sizes = {};          // MeshingOptions
   bool allow_branches = false;  // VerifyOptions
+  Index placed = 0;             // Draft
 };
 
 // The mesh improved, in the input's space and checked: every face of the input is a boundary face, every

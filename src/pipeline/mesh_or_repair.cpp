@@ -207,7 +207,7 @@ Result<MeshedSurface> repair_by_parts(const Surface& surface, const std::vector<
                          .context = context,
                          .records = records,
                          .allow_branches = options.on_infeasible == OnInfeasible::branch};
-  Result<TetMesh> whole = finish_given(job, united(repaired.V, meshes));
+  Result<TetMesh> whole = finish_given(job, united(repaired.V, meshes).mesh);
   if (!whole) return whole.error();
   out.mesh = std::move(whole).value();
   if (job.allow_branches) out.branch_edges = branch_edges_of(surface, out.mesh, context);

@@ -53,6 +53,7 @@ Result<StageFiles> StageFiles::open(const std::string& folder, const std::string
     return Error{ErrorCode::bad_input, "The stages in " + folder + " belong to another input."};
   for (const Json& name : j["stages"])
     if (name.is_string()) files.names_.push_back(name.get<std::string>());
+  if (j.contains("placed") && j["placed"].is_number_integer()) files.placed_ = j["placed"].get<Index>();
   return files;
 }
 
@@ -60,7 +61,8 @@ Status StageFiles::remember(const std::string& name) {
   if (!has(name)) names_.push_back(name);
   AtomicFile file;
   if (Status s = file.open(index_of(folder_)); !s) return s;
-  const Json j = {{"version", version()}, {"input_hash", input_hash_}, {"stages", names_}};
+  const Json j = {
+      {"version", version()}, {"input_hash", input_hash_}, {"stages", names_}, {"placed", placed_}};
   if (Status s = file.write(j.dump(2) + "\n"); !s) return s;
   return file.commit();
 }
@@ -75,6 +77,11 @@ Status StageFiles::save(const std::string& name, TetMesh mesh) {
   out_of_unit_box(mesh.V, box_);
   if (Status s = write_tets(folder_ + "/" + name + ".vtu", mesh, TetFormat::vtu); !s) return s;
   return remember(name);
+}
+
+Status StageFiles::save(const std::string& name, const Draft& draft) {
+  placed_ = draft.placed;
+  return save(name, draft.mesh);
 }
 
 Status StageFiles::save_problem(const std::string& name, Surface surface, const TetMesh& mesh) const {
@@ -105,6 +112,13 @@ Result<TetMesh> StageFiles::load_mesh(const std::string& name, Index surface_ver
     m.value().surface_vertices = surface_vertices;
   }
   return m;
+}
+
+Result<Draft> StageFiles::load_draft(const std::string& name, Index surface_vertices) const {
+  Result<TetMesh> mesh = load_mesh(name, surface_vertices);
+  if (!mesh) return mesh.error();
+  const Index inside = static_cast<Index>(mesh.value().V.rows()) - surface_vertices;
+  return Draft{std::move(mesh).value(), std::clamp<Index>(placed_, 0, std::max<Index>(inside, 0))};
 }
 
 }  // namespace overtet

@@ -10,6 +10,7 @@
 
 #include "overtet/result.h"
 #include "overtet/types.h"
+#include "src/pipeline/draft.h"
 #include "src/pipeline/unit_box.h"
 
 namespace overtet {
@@ -25,6 +26,7 @@ class StageFiles {
   // stages.json, which is written anew each time.
   Status save(const std::string& name, Surface surface);
   Status save(const std::string& name, TetMesh mesh);
+  Status save(const std::string& name, const Draft& draft);  // of one draft at most
 
   // A problem of its own in the folder NAME, to be resumed there: the surface as NAME/input.ply, and the last
   // states of a flow that ends at it, `mesh` with the surface's vertices first.
@@ -33,6 +35,7 @@ class StageFiles {
   bool has(const std::string& name) const;
   Result<Surface> load_surface(const std::string& name) const;
   Result<TetMesh> load_mesh(const std::string& name, Index surface_vertices) const;
+  Result<Draft> load_draft(const std::string& name, Index surface_vertices) const;
 
  private:
   Status remember(const std::string& name);
@@ -40,6 +43,7 @@ class StageFiles {
   std::string folder_, input_hash_;
   UnitBox box_;
   std::vector<std::string> names_;
+  Index placed_ = 0;  // Draft
 };
 
 }  // namespace overtet

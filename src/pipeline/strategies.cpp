@@ -48,6 +48,7 @@ std::vector<Figure> figures_of(const ImmersionResult& x) {
           {"missing_facets", std::int64_t{x.missing_facets}},
           {"tetgen_facets", std::int64_t{x.tetgen_facets}},
           {"tetgen_parts", std::int64_t{x.tetgen_parts}},
+          {"free_points", std::int64_t{x.free_points}},
           {"steiner_points", std::int64_t{x.steiner_points}},
           {"boundary_points", std::int64_t{x.boundary_points}},
           {"refined_edges", std::int64_t{x.refined_edges}},
@@ -69,8 +70,8 @@ Error unglued(const MeshingJob& job, const Error& error) {
   return in_input_space(job, error);
 }
 
-Result<TetMesh> mesh_immersed(const MeshingJob& job) {
-  return timed_stage("immersion", job.records, job.context, [&](StageRecord& record) -> Result<TetMesh> {
+Result<Draft> mesh_immersed(const MeshingJob& job) {
+  return timed_stage("immersion", job.records, job.context, [&](StageRecord& record) -> Result<Draft> {
     ImmersionOptions options;
     options.patience = job.part_without_mesh ? std::min(job.patience, kShortPatience) : job.patience;
     Result<ImmersionResult> r =
@@ -81,21 +82,30 @@ Result<TetMesh> mesh_immersed(const MeshingJob& job) {
     if (Status s = keep(job, "cover", x.cover); !s) return s.error();
     record.iterations = x.search_nodes;
     record.figures = figures_of(x);
-    return std::move(r.value().mesh);
+    return Draft{std::move(r.value().mesh), x.free_points};
   });
 }
 
-Result<TetMesh> mesh_clean(const MeshingJob& job) {
-  return timed_stage("tet_mesh", job.records, job.context, [&](StageRecord& record) -> Result<TetMesh> {
-    Result<TetMesh> mesh = mesh_plain(job.surface, job.context);
-    if (mesh) record.figures.emplace_back("tets", std::int64_t{mesh.value().T.rows()});
-    return mesh;
+Result<Draft> mesh_clean(const MeshingJob& job) {
+  return timed_stage("tet_mesh", job.records, job.context, [&](StageRecord& record) -> Result<Draft> {
+    Result<PlainMesh> plain = mesh_plain(job.surface, job.context);
+    if (!plain) return plain.error();
+    PlainMesh& x = plain.value();
+    record.figures = {{"missing_facets", std::int64_t{x.missing_facets}},
+                      {"tetgen_facets", std::int64_t{x.tetgen_facets}},
+                      {"tetgen_parts", std::int64_t{x.tetgen_parts}},
+                      {"free_points", std::int64_t{x.draft.placed}},
+                      {"tets", std::int64_t{x.draft.mesh.T.rows()}}};
+    return std::move(x.draft);
   });
 }
 
-Result<TetMesh> mesh_flowed(const MeshingJob& job) {
+Result<Draft> mesh_near(const MeshingJob& job) { return without_placed(mesh_by_nearby_surface(job)); }
+
+Result<Draft> mesh_flowed(const MeshingJob& job) {
   Result<TetMesh> mesh = mesh_by_flow(job);
-  return mesh ? std::move(mesh) : Result<TetMesh>(in_input_space(job, mesh.error()));
+  if (!mesh) return in_input_space(job, mesh.error());
+  return without_placed(std::move(mesh));
 }
 
 const std::array all = {
@@ -110,7 +120,7 @@ const std::array all = {
              Strategy::Failure::of_gluing},
     Strategy{"nearby surface",
              [](const MeshingJob& job) { return job.preset == Preset::standard && may_coincide(job); },
-             mesh_by_nearby_surface, Strategy::Failure::of_this_way},
+             mesh_near, Strategy::Failure::of_this_way},
     // What flows until nothing crosses fills each part by itself: of no use where one of them has no mesh.
     Strategy{"flow", [](const MeshingJob& job) { return !job.part_without_mesh; }, mesh_flowed,
              Strategy::Failure::of_this_way}};

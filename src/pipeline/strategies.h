@@ -4,7 +4,7 @@
 #include <span>
 
 #include "overtet/result.h"
-#include "overtet/types.h"
+#include "src/pipeline/draft.h"
 #include "src/pipeline/meshing_job.h"
 
 namespace overtet {
@@ -21,7 +21,7 @@ struct Strategy {
   bool (*applies)(const MeshingJob& job);
   // A positive tet mesh in the unit box, not yet checked against the surface. Errors have their place in the
   // input's space.
-  Result<TetMesh> (*run)(const MeshingJob& job);
+  Result<Draft> (*run)(const MeshingJob& job);
   Failure failure;
 };
 

@@ -115,8 +115,8 @@ Result<TetMesh> SurfaceRun::try_strategies() {
   for (const Strategy& strategy : strategies()) {
     if (first_only && !told.empty()) break;
     if (!strategy.applies(job)) continue;
-    Result<TetMesh> mesh = strategy.run(job);
-    if (mesh) mesh = finish(std::move(mesh).value());
+    Result<Draft> draft = strategy.run(job);
+    Result<TetMesh> mesh = draft ? finish(std::move(draft).value()) : Result<TetMesh>(draft.error());
     if (mesh) return mesh;
     const Error& e = mesh.error();
     if (strategy.failure == Strategy::Failure::of_gluing && e.place) unglued_ = point_at(*e.place);
@@ -139,21 +139,26 @@ Result<TetMesh> SurfaceRun::try_strategies() {
 
 // A mesh that was saved before the quality pass.
 Result<TetMesh> SurfaceRun::finish_saved() {
-  Result<TetMesh> mesh = resume_->load_mesh("mapped", static_cast<Index>(surface_.V.rows()));
-  if (!mesh) return mesh;
-  if (!verify(surface_, mesh.value(), {}, context_).ok()) {
+  Result<Draft> draft = resume_->load_draft("mapped", static_cast<Index>(surface_.V.rows()));
+  if (!draft) return draft.error();
+  if (!verify(surface_, draft.value().mesh, {}, context_).ok()) {
     if (auto stop = context_.stop()) return *stop;
     return Error{ErrorCode::bad_input,
                  "The saved stage mapped is damaged: it does not fit the input. Do not resume from it."};
   }
-  return finish(std::move(mesh).value());
+  return finish(std::move(draft).value());
 }
 
-Result<TetMesh> SurfaceRun::finish(TetMesh mesh) {
+Result<TetMesh> SurfaceRun::finish(Draft draft) {
   if (save_)
-    if (Status s = save_->save("mapped", mesh); !s) return s.error();
-  return overtet::finish({input_, options_.improve_degrees, context_, records_, options_.sizes}, found_.box,
-                         std::move(mesh));
+    if (Status s = save_->save("mapped", draft); !s) return s.error();
+  return overtet::finish({.input = input_,
+                          .improve_degrees = options_.improve_degrees,
+                          .context = context_,
+                          .records = records_,
+                          .sizes = options_.sizes,
+                          .placed = draft.placed},
+                         found_.box, std::move(draft.mesh));
 }
 
 Status SurfaceRun::open_files() {

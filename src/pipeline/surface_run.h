@@ -54,7 +54,7 @@ class SurfaceRun {
  private:
   Status open_files();
   Result<TetMesh> finish_saved();
-  Result<TetMesh> finish(TetMesh mesh);
+  Result<TetMesh> finish(Draft draft);
   Result<TetMesh> try_strategies();
   std::optional<Error> final_reason(const Error& failure);
   Status look_closer();

@@ -17,7 +17,7 @@ namespace {
 Result<TetgenResult> in_parts(const Plc& plc, Index facets_per_part, const RunContext& context = {}) {
   DelaunayMatch match(plc);
   if (auto error = match.run(context)) return *error;
-  return mesh_in_parts(match, facets_per_part, 1, context);
+  return mesh_in_parts(match, {facets_per_part}, context);
 }
 
 // Sound, really in parts, and the same on any number of threads.
@@ -121,7 +121,8 @@ TEST(Parts, SmallComplexesAndLoosePointsAreRefused) {
 TEST(Parts, WhereManyFacetsAreMissing) {
   const Surface ring = test::transformed(test::torus(64, 24), stretch() * test::some_rotation(4), {7, 0, 0});
   const Plc plc = test::plc_of(ring);
-  const auto r = tetrahedralize_delaunay_first(plc, {}, {.most_missing = 0, .facets_per_part = 700});
+  const auto r =
+      tetrahedralize_delaunay_first(plc, {}, {.most_missing = 0, .parts = {.facets_per_part = 700}});
   ASSERT_TRUE(r.ok()) << r.error().message;
   EXPECT_GT(r.value().missing_facets, 0);
   EXPECT_GT(r.value().parts, 1);
@@ -135,7 +136,7 @@ TEST(Parts, StopWhenAsked) {
   std::atomic<bool> cancel = true;
   RunContext context;
   context.cancel = &cancel;
-  const auto r = mesh_in_parts(match, 1000, 1, context);
+  const auto r = mesh_in_parts(match, {1000}, context);
   ASSERT_FALSE(r.ok());
   EXPECT_EQ(r.error().code, ErrorCode::interrupted);
 }

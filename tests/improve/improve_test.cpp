@@ -317,10 +317,32 @@ TEST(Improve, SameBytesOnAnyNumberOfThreads) {
   }
 }
 
+// A fan of tets at one vertex inside: what cutting has left is no place to refine at, a vertex that was
+// placed is.
+TEST(Improve, RefinesAtPlacedVertices) {
+  const Surface s = test::sphere_surface(3);
+  TetMesh fan{VertexMatrix(s.V.rows() + 1, 3), TetMatrix(s.F.rows(), 4), static_cast<Index>(s.V.rows())};
+  fan.V << s.V, Eigen::RowVector3d(0, 0, 0);
+  for (Eigen::Index f = 0; f < s.F.rows(); ++f)
+    fan.T.row(f) << s.F(f, 0), s.F(f, 2), s.F(f, 1), fan.surface_vertices;
+  for (const Index placed : {0, 1}) {
+    TetMesh mesh = fan;
+    ImproveOptions options;
+    options.placed = placed;
+    const auto r = improve(mesh, options, {});
+    ASSERT_TRUE(r.ok()) << r.error().message;
+    EXPECT_EQ(r.value().refined > 0, placed > 0);
+    EXPECT_EQ(boundary_of(fan), boundary_of(mesh));
+  }
+}
+
 TEST(Improve, OptionsCancelAndTime) {
   TetMesh mesh = filled(test::sphere_surface(2));
   ImproveOptions options;
   options.target_degrees = 60;
+  EXPECT_EQ(ErrorCode::usage, improve(mesh, options, {}).error().code);
+  options = {};
+  options.placed = -1;
   EXPECT_EQ(ErrorCode::usage, improve(mesh, options, {}).error().code);
   options = {};
   options.bad_share = 1.5;

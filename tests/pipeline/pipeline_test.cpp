@@ -67,6 +67,42 @@ TEST(Pipeline, MeshesWhatDoesNotCrossItself) {
   }
 }
 
+std::int64_t figure(const PipelineResult& r, const std::string& stage, const std::string& name) {
+  for (const StageRecord& record : r.report.stages)
+    for (const auto& [key, value] : record.figures)
+      if (record.name == stage && key == name) return std::get<std::int64_t>(value);
+  ADD_FAILURE() << "no figure " << stage << " " << name;
+  return -1;
+}
+
+// The tets of clean components start from free points, which refinement works with.
+TEST(Pipeline, CleanComponentsHaveFreePoints) {
+  const std::uint64_t seed = 5;
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  const Surface ball = test::noisy(test::sphere(4), seed, 0.02);
+  const Surface around = test::joined(ball, test::noisy(test::torus(60, 30, 1.1, 0.4), seed, 0.02));
+  for (const auto& [s, stage] : {std::pair{ball, "tet_mesh"}, std::pair{around, "parts"}}) {
+    SCOPED_TRACE(stage);
+    const TemporaryFolder folder;
+    MeshingOptions options;
+    options.save_stages = folder.file("stages");
+    const PipelineResult one = run(s, options, 1), two = run(s, {}, 2);
+    expect_mesh(s, one);
+    EXPECT_GT(figure(one, stage, "free_points"), 0);
+    EXPECT_EQ(one.report.result_hash, two.report.result_hash);
+    // Which vertices they are is saved, too.
+    MeshingOptions resume;
+    resume.resume = options.save_stages;
+    EXPECT_EQ(run(s, resume).report.result_hash, one.report.result_hash);
+    // Without the quality pass all are there.
+    MeshingOptions plain;
+    plain.improve_degrees = 0;
+    const PipelineResult draft = run(s, plain);
+    expect_mesh(s, draft);
+    EXPECT_GE(draft.mesh.V.rows() - s.V.rows(), figure(one, stage, "free_points"));
+  }
+}
+
 TEST(Pipeline, MeshesCavitiesAndNestedComponents) {
   const Surface cavity = test::sphere_with_cavity();
   const PipelineResult r = run(cavity);
