@@ -12,6 +12,8 @@ enum class Count {
   contacts,           // found by the contact search
   factorisations,     // sparse Cholesky
   factor_nonzeros,    // entries of these factors, summed
+  touched_tets,       // looked at or made by passes over tet meshes, each as often as it was
+  copied_bytes,       // of tet meshes that were taken apart and put together
   end                 // how many there are
 };
 

@@ -11,6 +11,7 @@
 
 #include "kernels/core/assertions.h"
 #include "kernels/core/tuning.h"
+#include "kernels/parallel/counts.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
 #include "src/improve/bad_tets.h"
@@ -121,6 +122,7 @@ PartResult improve_part(MeshPart& part, const Orders& orders, const RunContext& 
 template <class Bad>
 std::vector<char> corners_of(const TetMesh& mesh, Bad&& bad) {
   std::vector<char> marked(static_cast<std::size_t>(mesh.V.rows()), 0);
+  count(Count::touched_tets, mesh.T.rows());
   parallel_for(mesh.T.rows(), kLightGrain, [&](std::int64_t begin, std::int64_t end) {
     for (Index t = static_cast<Index>(begin); t < end; ++t)
       if (bad(t))
@@ -148,6 +150,7 @@ double radius_edge(const TetMesh& mesh, Index t) {
 }
 
 double worst_quality(const TetMesh& mesh) {
+  count(Count::touched_tets, mesh.T.rows());
   return parallel_reduce(
       mesh.T.rows(), kLightGrain, 1.0,
       [&](std::int64_t begin, std::int64_t end) {
@@ -186,6 +189,7 @@ std::vector<int> weights(const TetMesh& mesh, std::span<const Index> chosen, Wor
                          const ImproveOptions& options) {
   const double target = sine_of(options.target_degrees);
   std::vector<int> weight(chosen.size());
+  count(Count::touched_tets, std::ssize(chosen));
   parallel_for(
       static_cast<std::int64_t>(chosen.size()), kLightGrain, [&](std::int64_t begin, std::int64_t end) {
         for (std::int64_t i = begin; i < end; ++i)
@@ -252,8 +256,9 @@ class Improver {
     if (sizes_)
       if (Status s = end_sizes(); !s) return s.error();
     look_at_worst(cut);
-    const bool traded = trade();
-    if (!traded && result_.lifted > 0) look_at(Work::passes, sine_of(kLookAgain * options_.target_degrees));
+    // Lifting leaves vertices that nothing needs.
+    if (result_.lifted > 0) look_at(Work::passes, sine_of(kLookAgain * options_.target_degrees));
+    trade();
     // What is made smaller in the end may leave a bad angle, and mending that a large tet.
     for (int again = 0; sizes_ && again < kInVain; ++again) {
       const std::int64_t before = result_.refined;
@@ -479,16 +484,16 @@ class Improver {
     if (sizes_) sizes_->spread(mesh_, options_.sizes);
   }
 
-  // Too many bad ones: fewer, be they worse. What is good enough for the target is good. Returns whether
-  // there are few enough now; the mesh is as it was where there are not.
-  bool trade() {
+  // Too many bad ones: fewer, be they worse. What is good enough for the target is good. The mesh stays as it
+  // was where there would still be too many.
+  void trade() {
     const double good = sine_of(std::min(options_.good_degrees, options_.target_degrees));
     const auto times_too_many = [&] {
       return static_cast<double>(count_below(mesh_, good)) /
              (kABitLess * options_.bad_share * static_cast<double>(mesh_.T.rows()));
     };
     const double too_many = times_too_many();
-    if (!(too_many > 1 && too_many < kHopeless) || silent_.stop()) return false;
+    if (!(too_many > 1 && too_many < kHopeless) || silent_.stop()) return;
     const TetMesh before = mesh_;
     price_.goal = kABitMore * good;
     price_.low = kMayFallTo * good;
@@ -496,12 +501,11 @@ class Improver {
     price_.low = kRaiseTo * good;
     price_.steep = kSteep;
     look_at(Work::raise, price_.goal);
-    if (times_too_many() <= 1) return true;
+    if (times_too_many() <= 1) return;
     mesh_ = before;
     loose_.assign(static_cast<std::size_t>(mesh_.V.rows()), 0);
     result_.traded = 0;
     if (sizes_) sizes_->spread(mesh_, options_.sizes);
-    return false;
   }
 
   TetMesh& mesh_;

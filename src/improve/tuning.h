@@ -120,7 +120,7 @@ constexpr double kHairWorse = 0.999;
 constexpr double kNearWorst = 2;
 // Layers around one of the worst tets that are taken out of the mesh with it.
 constexpr int kRegionLayers = 5;
-// All is done in two ways, with so many layers around a tet that is worked on, and the better end is kept.
+// Layers around a tet that is worked on: with more of them where it resists with fewer.
 constexpr int kPatchLayers[] = {2, 4};
 // A patch is done with when all of its tets are better than its worst tet was by this factor; it has got
 // better when its worst tet has by that one.
@@ -137,9 +137,9 @@ struct Budget {
     return std::min(most, at_first + tets / tets_per_more);
   }
 };
-// The worst tets that are taken out at the same time. A region has some 3000 tets: all of them are a small
-// part of the mesh, and a few passes over it do for all.
-constexpr Budget kTaken{12, 20000};
+// The worst tets that are taken out at the same time: of a mesh with very many, as many as have room in it,
+// at some 3000 tets each. So a few passes over the mesh do for all.
+constexpr Budget kTaken{60, 2000};
 // Attempts to mend a tet in vain by the dear means; successes; and changes made on walks (below).
 constexpr Budget kDear{40, 2000}, kLifts{60, 150}, kSteps{300, 300, 2000};
 // Changes that are tried at the same time, and places at most, by as many threads as there are.

@@ -4,7 +4,6 @@
 #include <array>
 #include <atomic>
 #include <functional>
-#include <optional>
 #include <queue>
 #include <random>
 #include <utility>
@@ -12,6 +11,7 @@
 
 #include "kernels/core/tet_tables.h"
 #include "kernels/core/tuning.h"
+#include "kernels/parallel/counts.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
 #include "kernels/tet_energy/tet_quality.h"
@@ -215,40 +215,57 @@ Index some_bad(const LocalOperations& work, double goal, std::mt19937& random) {
   return u >= 0 && random() % 3 == 0 ? u : t;
 }
 
-// A part of the mesh with some of the worst tets.
-struct Place {
-  MeshPart part;
-  std::vector<char>
-      kind;  // of the part's first vertices, 1: shared with other parts, 2: pinched (partition.h)
-};
-
-// What is done at one place, in one way: on a complex of its own, until the best way is known.
-class Lifting {
+// A part of the mesh with some of the worst tets, and what is known of its tets. More than 12 members: some
+// are room that is kept from one tet to the next.
+class Place {
  public:
-  Lifting(const Place& place, double target, int layers, const Effort& left)
-      : complex(place.part.complex), left(left), kind_(place.kind), target_(target), layers_(layers) {
-    quality_.resize(complex.tet_capacity());
+  Place(MeshPart part, double target) : part_(std::move(part)), target_(target) {
+    kind_.assign(part_.vertex.size(), 0);
+    for (const Index v : part_.shared) kind_[v] = 1;
+    for (const Index v : part_.pinched) kind_[v] = 2;
+    const TetComplex& complex = part_.complex;
+    count(Count::touched_tets, complex.tet_count());
     for (Index t = 0; t < complex.tet_capacity(); ++t)
       if (complex.alive(t)) rate(t);
   }
 
+  // What came of one run.
+  struct Outcome {
+    Effort left;
+    double resisted = 1;  // the quality of the tet that did not get better
+    int lifts = 0;
+  };
+
   // The worst tet below `below` again and again, until one resists: others that get better do not lift the
   // least angle then.
-  void run(double below, const RunContext& context) {
-    while (left.lifts > 0 && left.steps > 0 && !context.stop()) {
+  Outcome run(double below, const Effort& left, const RunContext& context) {
+    Outcome out{left};
+    while (out.left.lifts > 0 && out.left.steps > 0 && !context.stop()) {
       const Index worst = worst_tet(below);
       if (worst < 0) break;
-      if (!lift(worst)) {
-        resisted = quality_[worst];
+      if (!lift(worst, out.left)) {
+        out.resisted = quality_[worst];
         break;
       }
-      ++lifts;
-      --left.lifts;
+      ++out.lifts;
+      --out.left.lifts;
     }
+    changed_ = changed_ || out.lifts > 0;
+    return out;
   }
 
+  // Of the tets that do not touch the rim; the target where none is below it.
+  double worst_quality() {
+    const Index t = worst_tet(target_);
+    return t < 0 ? target_ : quality_[t];
+  }
+  bool changed() const { return changed_; }
+  MeshPart take() { return std::move(part_); }
+
+ private:
   // The worst tet that does not touch the rim, -1 where none is below.
   Index worst_tet(double below) {
+    const TetComplex& complex = part_.complex;
     for (; !worst_.empty() && worst_.top().first < below; worst_.pop()) {
       const auto [q, t] = worst_.top();
       if (complex.alive(t) && quality_[t] == q) return t;
@@ -256,24 +273,10 @@ class Lifting {
     return -1;
   }
 
-  // All below, the worst first.
-  std::vector<double> low(double below) const {
-    std::vector<double> out;
-    for (Index t = 0; t < complex.tet_capacity(); ++t)
-      if (complex.alive(t) && quality_[t] < below) out.push_back(quality_[t]);
-    std::sort(out.begin(), out.end());
-    return out;
-  }
-
-  TetComplex complex;
-  Effort left;
-  double resisted = 1;  // the quality of the tet that did not get better
-  int lifts = 0;
-
- private:
   int kind_of(Index v) const { return v < static_cast<Index>(kind_.size()) ? kind_[v] : 0; }
 
   void rate(Index t) {
+    const TetComplex& complex = part_.complex;
     const auto& c = complex.tet(t);
     quality_.resize(complex.tet_capacity());
     quality_[t] = min_dihedral_sine(complex.position(c[0]), complex.position(c[1]), complex.position(c[2]),
@@ -283,13 +286,14 @@ class Lifting {
   }
 
   // The tets within some layers around t, t first.
-  std::vector<Index> patch_around(Index t) {
+  std::vector<Index> patch_around(Index t, int layers) {
+    const TetComplex& complex = part_.complex;
     std::vector<Index> patch{t}, star;
     seen_.resize(complex.tet_capacity(), 0);
     spread_.resize(complex.vertex_count(), 0);
     seen_[t] = 1;
     std::vector<Index> begun;
-    for (std::size_t layer = 0, first = 0; layer < static_cast<std::size_t>(layers_); ++layer) {
+    for (std::size_t layer = 0, first = 0; layer < static_cast<std::size_t>(layers); ++layer) {
       const std::size_t end = patch.size();
       for (; first < end; ++first)
         for (const Index v : complex.tet(patch[first])) {
@@ -306,20 +310,27 @@ class Lifting {
     return patch;
   }
 
-  bool lift(Index t);
+  // With few layers around it, or else with more.
+  bool lift(Index t, Effort& left) {
+    return std::any_of(std::begin(kPatchLayers), std::end(kPatchLayers),
+                       [&](int layers) { return lift(t, layers, left); });
+  }
+  bool lift(Index t, int layers, Effort& left);
 
-  const std::vector<char>& kind_;
+  MeshPart part_;
   const double target_;
-  const int layers_;
+  std::vector<char> kind_;  // of the part's first vertices, 1: shared with other parts, 2: pinched
+  bool changed_ = false;
   std::vector<double> quality_;
   using Rated = std::pair<double, Index>;
   std::priority_queue<Rated, std::vector<Rated>, std::greater<>> worst_;  // below the target; stale ones, too
   std::vector<char> seen_, spread_;
 };
 
-bool Lifting::lift(Index t) {
+bool Place::lift(Index t, int layers, Effort& left) {
+  TetComplex& complex = part_.complex;
   const double worst = quality_[t], goal = std::min(target_, kGoal * worst);
-  const std::vector<Index> tets = patch_around(t);
+  const std::vector<Index> tets = patch_around(t, layers);
   MeshPart start = take_part(complex, tets);
   for (Index v = 0; v < static_cast<Index>(start.vertex.size()); ++v) {
     const int kind = kind_of(start.vertex[v]);
@@ -369,90 +380,44 @@ bool Lifting::lift(Index t) {
   return true;
 }
 
-// Places of which none shares a vertex with another one, and what is known of them.
-class Places {
- public:
-  Places(std::vector<Place> places, double target)
-      : places_(std::move(places)), target_(target), changed_(places_.size(), 0) {
-    for (const Place& place : places_) worst_.push_back(worst_of(place.part.complex, place.kind));
-  }
-
-  // Lifts the worst tets until one resists, or all are at `limit`. Each time those within a factor of the
-  // very worst, more places at the same time the longer that goes well: what is done beside a tet that
-  // resists is in vain. The order of the results counts, not who was done first.
-  int lift(double limit, Effort& left, double& resisted, const RunContext& context) {
-    int lifts = 0;
-    for (std::size_t at_once = 1; left.lifts > 0 && left.steps > 0 && !context.stop();) {
-      const double least = *std::min_element(worst_.begin(), worst_.end());
-      if (!(least < limit) || least > kSameQuality * resisted) break;
-      const double below = std::min(limit, kNearWorst * least);
-      std::vector<std::pair<double, std::size_t>> order;
-      for (std::size_t p = 0; p < places_.size(); ++p)
-        if (worst_[p] < below) order.emplace_back(worst_[p], p);
-      const std::size_t count = std::min(at_once, order.size());
-      std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end());
-      order.resize(count);
-      const int here = lift_these(order, below, left, resisted, context);
-      if (here == 0) break;
-      lifts += here;
-      at_once = std::min<std::size_t>(2 * at_once, kTrials);
-    }
-    return lifts;
-  }
-
-  bool changed(std::size_t place) const { return changed_[place] != 0; }
-  MeshPart take(std::size_t place) { return std::move(places_[place].part); }
-
- private:
-  static double worst_of(const TetComplex& complex, const std::vector<char>& kind) {
-    double worst = 1;
-    for (Index t = 0; t < complex.tet_capacity(); ++t) {
-      if (!complex.alive(t)) continue;
-      const auto& c = complex.tet(t);
-      if (std::any_of(c.begin(), c.end(),
-                      [&](Index v) { return v < static_cast<Index>(kind.size()) && kind[v] != 0; }))
-        continue;
-      worst = std::min(worst, min_dihedral_sine(complex.position(c[0]), complex.position(c[1]),
-                                                complex.position(c[2]), complex.position(c[3])));
-    }
-    return worst;
-  }
-
-  int lift_these(const std::vector<std::pair<double, std::size_t>>& these, double below, Effort& left,
-                 double& resisted, const RunContext& context) {
-    constexpr std::size_t kWays = std::size(kPatchLayers);
-    std::vector<std::optional<Lifting>> ways(kWays * these.size());
-    std::vector<std::vector<double>> low(ways.size());
-    parallel_tasks(std::ssize(ways), [&](std::int64_t i) {
-      Lifting& way =
-          ways[i].emplace(places_[these[i / kWays].second], target_, kPatchLayers[i % kWays], left);
-      way.run(below, context);
-      low[i] = way.low(below);
-    });
+// Lifts the worst tets of places of which none shares a vertex with another one, until one resists, or all
+// are at `limit`. Each time those within a factor of the very worst, more places at the same time the longer
+// that goes well: what is done beside a tet that resists is in vain. The order of the places counts, not who
+// was done first.
+int lift(std::vector<Place>& places, double limit, Effort& left, double& resisted,
+         const RunContext& context) {
+  std::priority_queue<std::pair<double, std::size_t>, std::vector<std::pair<double, std::size_t>>,
+                      std::greater<>>
+      worst;
+  for (std::size_t p = 0; p < places.size(); ++p) worst.emplace(places[p].worst_quality(), p);
+  int lifts = 0;
+  for (std::size_t at_once = 1; left.lifts > 0 && left.steps > 0 && !context.stop();) {
+    const double least = worst.top().first;
+    if (!(least < limit) || least > kSameQuality * resisted) break;
+    const double below = std::min(limit, kNearWorst * least);
+    std::vector<std::size_t> these;
+    for (; !worst.empty() && worst.top().first < below && these.size() < at_once; worst.pop())
+      these.push_back(worst.top().second);
+    std::vector<Place::Outcome> outcomes(these.size());
+    parallel_tasks(std::ssize(these),
+                   [&](std::int64_t i) { outcomes[i] = places[these[i]].run(below, left, context); });
     const Effort before = left;
-    int lifts = 0;
+    int here = 0;
     for (std::size_t i = 0; i < these.size(); ++i) {
-      const std::size_t second = kWays * i + 1;
-      Lifting& best = *ways[better(low[second], low[second - 1], 1) ? second : second - 1];
-      left.dear -= before.dear - best.left.dear;
-      left.steps -= before.steps - best.left.steps;
-      left.lifts -= before.lifts - best.left.lifts;
-      resisted = std::min(resisted, best.resisted);
-      if (best.lifts == 0) continue;
-      lifts += best.lifts;
-      const std::size_t p = these[i].second;
-      places_[p].part.complex = std::move(best.complex);
-      worst_[p] = worst_of(places_[p].part.complex, places_[p].kind);
-      changed_[p] = 1;
+      const Place::Outcome& o = outcomes[i];
+      left.dear -= before.dear - o.left.dear;
+      left.steps -= before.steps - o.left.steps;
+      left.lifts -= before.lifts - o.left.lifts;
+      resisted = std::min(resisted, o.resisted);
+      here += o.lifts;
+      worst.emplace(places[these[i]].worst_quality(), these[i]);
     }
-    return lifts;
+    if (here == 0) break;
+    lifts += here;
+    at_once = std::min<std::size_t>(2 * at_once, kTrials);
   }
-
-  std::vector<Place> places_;
-  const double target_;
-  std::vector<double> worst_;  // of each place
-  std::vector<char> changed_;
-};
+  return lifts;
+}
 
 // The worst tets of a mesh, the worst one first; at most so many.
 struct WorstTets {
@@ -462,6 +427,7 @@ struct WorstTets {
 
 WorstTets worst_tets(const TetMesh& mesh, double target, std::int64_t most) {
   WorstTets worst;
+  count(Count::touched_tets, mesh.T.rows());
   worst.tets = parallel_collect<std::pair<double, Index>>(
       mesh.T.rows(), kLightGrain, [&](std::int64_t begin, std::int64_t end, auto& out) {
         for (Index t = static_cast<Index>(begin); t < end; ++t)
@@ -491,23 +457,21 @@ int lift_places(TetMesh& mesh, double target, Effort& left, double& resisted, co
   int count = 0;
   std::vector<int> part_of = connected_pieces(mesh, chosen, count);
   std::vector<MeshPart> parts = take_parts(mesh, part_of, count);
-  std::vector<Place> taken(parts.size());
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    taken[p].kind.assign(parts[p].vertex.size(), 0);
-    for (const Index v : parts[p].shared) taken[p].kind[v] = 1;
-    for (const Index v : parts[p].pinched) taken[p].kind[v] = 2;
-    taken[p].part = std::move(parts[p]);
-  }
-  Places places(std::move(taken), target);
+  std::vector<Place> places;
+  for (MeshPart& part : parts) places.emplace_back(std::move(part), target);
   // Not beyond the first tet that stayed behind, but beyond the last that did not.
   const double limit = std::min(target, std::max(worst.next, kBetter * worst.tets.back().first));
-  const int lifts = places.lift(limit, left, resisted, context);
+  const int lifts = lift(places, limit, left, resisted, context);
   if (lifts == 0) return 0;
   std::vector<MeshPart> changed;
-  for (std::size_t p = 0; p < parts.size(); ++p)
-    if (places.changed(p)) changed.push_back(places.take(p));
+  std::vector<int> number(places.size(), -1);
+  for (std::size_t p = 0; p < places.size(); ++p) {
+    if (!places[p].changed()) continue;
+    number[p] = static_cast<int>(changed.size());
+    changed.push_back(places[p].take());
+  }
   for (int& p : part_of)
-    if (p >= 0 && !places.changed(p)) p = -1;
+    if (p >= 0) p = number[p];
   put_parts(mesh, part_of, changed);
   return lifts;
 }

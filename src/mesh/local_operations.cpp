@@ -6,6 +6,7 @@
 
 #include "kernels/core/assertions.h"
 #include "kernels/core/tet_tables.h"
+#include "kernels/parallel/counts.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
 #include "kernels/tet_energy/tet_quality.h"
@@ -21,6 +22,7 @@ using Eigen::Vector3d;
 
 LocalOperations::LocalOperations(TetComplex& mesh) : mesh_(mesh) {
   quality_.resize(mesh.tet_capacity(), 0);
+  count(Count::touched_tets, 2 * mesh.tet_count());
   fixed_.assign(mesh.vertex_count(), 0);
   parallel_for(mesh.tet_capacity(), kLightGrain, [&](std::int64_t begin, std::int64_t end) {
     for (Index t = static_cast<Index>(begin); t < end; ++t)

@@ -8,8 +8,10 @@
 #include <numeric>
 #include <optional>
 #include <tuple>
+#include <utility>
 
 #include "kernels/core/union_find.h"
+#include "kernels/parallel/counts.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
 #include "src/mesh/tuning.h"
@@ -105,6 +107,11 @@ void find_pinched(MeshPart& part, const std::vector<char>& shared) {
     if (pinched[v]) part.pinched.push_back(v);
 }
 
+void count_copied(std::int64_t vertices, std::int64_t tets) {
+  count(Count::copied_bytes,
+        vertices * std::int64_t{3 * sizeof(double)} + tets * std::int64_t{4 * sizeof(Index)});
+}
+
 // corners(t): of each of the tets; position(v); is_shared(v, n): v has tets elsewhere, and n of these.
 // Vertices are numbered in the order of first use: what is near lies near in memory.
 template <class Corners, class Position, class IsShared>
@@ -138,9 +145,53 @@ MeshPart make_part(std::span<const Index> tets, Index vertices, Corners&& corner
     shared[i] = 1;
     part.shared.push_back(static_cast<Index>(i));
   }
+  count_copied(V.rows(), T.rows());
   part.complex = TetComplex(V, T);
   find_pinched(part, shared);
   return part;
+}
+
+// The tets of each part, ascending.
+std::vector<std::vector<Index>> tets_of_parts(std::span<const int> part_of, int parts) {
+  const auto tets = static_cast<std::int64_t>(part_of.size());
+  constexpr std::int64_t kBlock = 16 * kLightGrain;
+  // Of each block, how many tets each part has in it; then, where its first one goes.
+  std::vector<std::vector<std::int64_t>> at(static_cast<std::size_t>((tets + kBlock - 1) / kBlock));
+  parallel_for(tets, kBlock, [&](std::int64_t begin, std::int64_t end) {
+    std::vector<std::int64_t>& count = at[begin / kBlock];
+    count.assign(parts, 0);
+    for (std::int64_t t = begin; t < end; ++t)
+      if (part_of[t] >= 0) ++count[part_of[t]];
+  });
+  std::vector<std::vector<Index>> out(parts);
+  parallel_for(parts, 1, [&](std::int64_t p, std::int64_t) {
+    std::int64_t sum = 0;
+    for (auto& count : at) sum += std::exchange(count[p], sum);
+    out[p].resize(static_cast<std::size_t>(sum));
+  });
+  parallel_for(tets, kBlock, [&](std::int64_t begin, std::int64_t end) {
+    std::vector<std::int64_t>& next = at[begin / kBlock];
+    for (std::int64_t t = begin; t < end; ++t)
+      if (part_of[t] >= 0) out[part_of[t]][next[part_of[t]]++] = static_cast<Index>(t);
+  });
+  return out;
+}
+
+// Of each vertex, whether it has tets of several parts; those in no part are one, too.
+std::vector<char> in_several(const TetMesh& mesh, std::span<const int> part_of) {
+  std::vector<char> several(static_cast<std::size_t>(mesh.V.rows()), 0);
+  std::vector<int> one(several.size(), -1);  // the part of some tet; which one does not matter
+  const auto for_each_corner = [&](auto&& visit) {
+    parallel_for(mesh.T.rows(), kLightGrain, [&](std::int64_t begin, std::int64_t end) {
+      for (std::int64_t t = begin; t < end; ++t)
+        for (int k = 0; k < 4; ++k) visit(mesh.T(t, k), part_of[t]);
+    });
+  };
+  for_each_corner([&](Index v, int part) { std::atomic_ref(one[v]).store(part, std::memory_order_relaxed); });
+  for_each_corner([&](Index v, int part) {
+    if (one[v] != part) std::atomic_ref(several[v]).store(1, std::memory_order_relaxed);
+  });
+  return several;
 }
 
 // The boxes of the chosen tets.
@@ -353,34 +404,21 @@ Pieces in_pieces(const TetMesh& mesh, std::span<const Index> chosen, int parts, 
 }
 
 std::vector<MeshPart> take_parts(const TetMesh& mesh, std::span<const int> part_of, int parts) {
-  struct Owners {  // the parts of a vertex' tets, -1 for none of them; one part where both are equal
-    int least = std::numeric_limits<int>::max(), most = std::numeric_limits<int>::min();
-  };
-  std::vector<Owners> owners(static_cast<std::size_t>(mesh.V.rows()));
-  std::vector<std::vector<Index>> tets(parts);
-  parallel_invoke(
-      [&] {
-        for (Index t = 0; t < mesh.T.rows(); ++t)
-          if (part_of[t] >= 0) tets[part_of[t]].push_back(t);
-      },
-      [&] {
-        for (Index t = 0; t < mesh.T.rows(); ++t)
-          for (int k = 0; k < 4; ++k) {
-            Owners& o = owners[mesh.T(t, k)];
-            o = {std::min(o.least, part_of[t]), std::max(o.most, part_of[t])};
-          }
-      });
+  count(Count::touched_tets, 3 * mesh.T.rows());
+  std::vector<std::vector<Index>> tets;
+  std::vector<char> shared;
+  parallel_invoke([&] { tets = tets_of_parts(part_of, parts); }, [&] { shared = in_several(mesh, part_of); });
   std::vector<MeshPart> result(parts);
   parallel_for(parts, 1, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t p = begin; p < end; ++p) {
       sort_by_place(mesh, tets[p]);
       result[p] = make_part(
-          tets[p], static_cast<Index>(owners.size()),
+          tets[p], static_cast<Index>(mesh.V.rows()),
           [&](Index t) {
             return TetComplex::Tet{mesh.T(t, 0), mesh.T(t, 1), mesh.T(t, 2), mesh.T(t, 3)};
           },
           [&](Index v) { return Eigen::Vector3d(mesh.V.row(v)); },
-          [&](Index v, Index) { return owners[v].least != owners[v].most; });
+          [&](Index v, Index) { return shared[v] != 0; });
     }
   });
   return result;
@@ -463,6 +501,7 @@ std::vector<Index> put_parts(TetMesh& mesh, std::span<const int> part_of,
   }
   VertexMatrix V(vertices, 3);
   TetMatrix T(tets, 4);
+  count_copied(vertices, tets);
   parallel_for(old_vertices, kLightGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t v = begin; v < end; ++v)
       if (moved[v] >= 0) V.row(moved[v]) = mesh.V.row(v);

@@ -6,6 +6,7 @@
 
 #include "kernels/core/assertions.h"
 #include "kernels/core/tet_tables.h"
+#include "kernels/parallel/counts.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
 #include "kernels/predicates/predicates.h"
@@ -82,6 +83,7 @@ TetComplex::TetComplex(const VertexMatrix& V, const TetMatrix& T, const TetMatri
 TetComplex::TetComplex(const VertexMatrix& V, const TetMatrix& T) {
   take(V, T);
   const Index n = static_cast<Index>(V.rows()), m = static_cast<Index>(T.rows());
+  count(Count::touched_tets, m);
   // Faces in buckets by their smallest vertex: much cheaper than sorting all of them at once.
   std::vector<std::int64_t> begin(static_cast<std::size_t>(n) + 1, 0);
   for (Index t = 0; t < m; ++t)
@@ -144,6 +146,7 @@ void TetComplex::star(Index v, std::vector<Index>& tets) const {
       tets.push_back(u);
     }
   }
+  count(Count::touched_tets, std::ssize(tets));
 }
 
 Index TetComplex::tet_with_edge(Index a, Index b) const {
@@ -207,13 +210,11 @@ void TetComplex::ring(Index t, Index a, Index b, std::vector<Index>& tets, std::
     tets.push_back(u);
     link.push_back(tet_[u][p]);
     const Index after = next_[u][p];  // shares a, b, link[i + 1]
-    if (after < 0) {
-      link.push_back(tet_[u][q]);
-      return;
-    }
-    if (closed && after == first) return;
+    if (after < 0) link.push_back(tet_[u][q]);
+    if (after < 0 || (closed && after == first)) break;
     u = after;
   }
+  count(Count::touched_tets, std::ssize(tets));
 }
 
 void TetComplex::ring(Index a, Index b, std::vector<Index>& tets) const {
@@ -271,6 +272,7 @@ std::vector<Index> TetComplex::replace(std::span<const Index> removed, std::span
 void TetComplex::replace(std::span<const Index> removed, std::span<const Tet> added,
                          std::vector<Index>& created) {
   created.clear();
+  count(Count::touched_tets, std::ssize(removed) + std::ssize(added));
   next_mark();
   for (const Index t : removed) mark_[t] = stamp_;
   outer_.clear();

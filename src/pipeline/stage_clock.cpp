@@ -26,8 +26,8 @@ KernelCounts KernelCounts::now() {
 }
 
 void KernelCounts::add_since(const KernelCounts& before, std::vector<Figure>& figures) const {
-  static const char* const names[] = {"exact_evaluations", "tested_pairs", "contacts", "factorisations",
-                                      "factor_nonzeros"};
+  static const char* const names[] = {"exact_evaluations", "tested_pairs", "contacts",    "factorisations",
+                                      "factor_nonzeros",   "touched_tets", "copied_bytes"};
   for (std::size_t i = 0; i < values.size(); ++i)
     if (const std::int64_t n = values[i] - before.values[i]; n > 0) figures.emplace_back(names[i], n);
 }

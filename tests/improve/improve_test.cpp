@@ -185,7 +185,7 @@ TEST(Lift, ManyPlacesOneAfterTheOther) {
 
 // A triangular tube with faces so long that no mesh has good tets only.
 Surface thin_tube() {
-  return test::tube([](double t) { return Eigen::Vector3d(t, 0, 0); }, 0.004, 25, 3);
+  return test::tube([](double t) { return Eigen::Vector3d(t, 0, 0); }, 0.004, 20, 3);
 }
 
 TEST(Improve, FewerBadTetsWhereTooManyAre) {

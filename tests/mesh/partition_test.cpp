@@ -171,5 +171,58 @@ TEST(Parts, OperationsInRandomPartsKeepTheWholeValid) {
   }
 }
 
+// One part of a complex after the other, changed and put back in its place: what is around it stays as it is.
+TEST(Parts, OfAComplexAreChangedAndPutBack) {
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937 random(seed);
+    const TetMesh mesh = test::bent_grid(4, 300, 0.2, seed);
+    TetComplex whole(mesh.V, mesh.T);
+    const auto boundary = test::boundary_faces(whole);
+    int changes = 0;
+    std::vector<Index> tets, star, created;
+    for (int n = 0; n < 60; ++n) {
+      Index t = static_cast<Index>(random() % whole.tet_capacity());
+      if (!whole.alive(t)) continue;
+      tets.clear();
+      for (const Index v : whole.tet(t)) {
+        whole.star(v, star);
+        tets.insert(tets.end(), star.begin(), star.end());
+      }
+      std::sort(tets.begin(), tets.end());
+      tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
+      std::vector<TetComplex::Tet> others;
+      for (Index u = 0; u < whole.tet_capacity(); ++u)
+        if (whole.alive(u) && !std::binary_search(tets.begin(), tets.end(), u))
+          others.push_back(whole.tet(u));
+      MeshPart part = take_part(whole, tets);
+      EXPECT_EQ(static_cast<Index>(tets.size()), part.complex.tet_count());
+      LocalOperations work(part.complex);
+      part.mark_shared(work);
+      for (Index u = 0; u < part.complex.tet_capacity(); ++u) {
+        const auto& e = kTetEdge[random() % 6];
+        const auto c = part.complex.tet(u);
+        if (part.complex.alive(u))
+          changes += work.split_tet(u, (part.complex.position(c[0]) + part.complex.position(c[1]) +
+                                        part.complex.position(c[2]) + part.complex.position(c[3])) /
+                                           4);
+        if (part.complex.alive(u) && part.complex.tet(u) == c) changes += work.collapse(c[e[0]], c[e[1]]);
+        if (part.complex.alive(u) && part.complex.tet(u) == c) changes += work.smooth(c[e[1]]);
+      }
+      put_part(whole, tets, part, created);
+      EXPECT_EQ(part.complex.tet_count(), static_cast<Index>(created.size()));
+      test::expect_valid(whole);
+      EXPECT_EQ(boundary, test::boundary_faces(whole));
+      std::size_t kept = 0;
+      for (const auto& c : others) {
+        const Index u = whole.tet_with_face(c[0], c[1], c[2]);
+        kept += u >= 0;
+      }
+      EXPECT_EQ(others.size(), kept);
+    }
+    EXPECT_GT(changes, 100);
+  }
+}
+
 }  // namespace
 }  // namespace overtet
