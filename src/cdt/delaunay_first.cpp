@@ -576,7 +576,8 @@ Result<TetgenResult> tetrahedralize_delaunay_first(const Plc& plc, const RunCont
   const Index missing = static_cast<Index>(match.missing.size());
   const double most = options.in_parts ? options.most_missing : options.most_missing_without_parts;
   const bool few = static_cast<double>(missing) <= most * static_cast<double>(plc.F.rows());
-  if (!few && !options.in_parts) return unsolved("Too many facets are not faces of the Delaunay tets.");
+  if (!options.in_parts && (!few || match.crosses_many()))
+    return unsolved("Too many facets are not faces of the Delaunay tets.");
   Result<TetgenResult> out =
       few ? DelaunayFirst(match, context, options).run() : mesh_in_parts(match, options.parts, context);
   if (out) {

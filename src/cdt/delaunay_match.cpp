@@ -1,6 +1,7 @@
 #include "src/cdt/delaunay_match.h"
 
 #include <algorithm>
+#include <functional>
 #include <string>
 
 #include "kernels/core/assertions.h"
@@ -76,36 +77,79 @@ std::optional<Error> DelaunayMatch::run(const RunContext& context, DelaunayBuild
   return std::nullopt;
 }
 
-// Those that have a point of the facet's inside are connected by faces, and some of them are at its corners.
+namespace {
+
+// Finds the tets that have a point of a facet's inside: they are connected by faces, and some of them are at
+// its corners.
+class Crossing {
+ public:
+  explicit Crossing(const DelaunayMatch& match) : match_(match), tet_at_(match.plc.V.rows(), -1) {
+    for (Index t = 0; t < static_cast<Index>(match.tet.size()); ++t)
+      for (int k = 0; !match.replaced[t] && k < 4; ++k) tet_at_[match.tet[t][k]] = t;
+  }
+
+  struct Lists {
+    std::vector<Index> star, seen;
+  };
+  // Fills lists.seen; with so many it ends early.
+  void find(Index f, std::size_t most, Lists& lists) const {
+    const auto &tet = match_.tet, &next = match_.next;
+    const Triple& facet = match_.facets[f];
+    auto& [star, seen] = lists;
+    const auto crosses = [&](Index t) { return !apart(match_.plc.V.data(), tet[t], facet); };
+    seen.clear();
+    star.assign(1, tet_at_[facet[0]]);
+    for (std::size_t head = 0; head < star.size(); ++head)
+      for (int k = 0; k < 4; ++k) {
+        const Index other = next[star[head]][k];
+        if (other < 0 || tet[star[head]][k] == facet[0]) continue;
+        if (std::find(star.begin(), star.end(), other) == star.end()) star.push_back(other);
+      }
+    for (const Index t : star)
+      if (crosses(t)) seen.push_back(t);
+    for (std::size_t head = 0; head < seen.size() && seen.size() < most; ++head)
+      for (const Index other : next[seen[head]])
+        if (other >= 0 && std::find(seen.begin(), seen.end(), other) == seen.end() && crosses(other))
+          seen.push_back(other);
+  }
+
+ private:
+  const DelaunayMatch& match_;
+  std::vector<Index> tet_at_;  // one at each point
+};
+
+}  // namespace
+
 void DelaunayMatch::find_crossed_tets() {
-  std::vector<Index> tet_at(plc.V.rows(), -1);
-  for (Index t = 0; t < static_cast<Index>(tet.size()); ++t)
-    for (int k = 0; !replaced[t] && k < 4; ++k) tet_at[tet[t][k]] = t;
+  const Crossing crossing(*this);
   crossed = parallel_collect<std::pair<Index, Index>>(
       static_cast<std::int64_t>(missing.size()), 256,
       [&](std::int64_t begin, std::int64_t end, std::vector<std::pair<Index, Index>>& out) {
-        std::vector<Index> star, seen;
+        Crossing::Lists lists;
         for (std::int64_t i = begin; i < end; ++i) {
-          const Index f = missing[i];
-          seen.clear();
-          const Index v = facets[f][0];
-          star.assign(1, tet_at[v]);
-          for (std::size_t head = 0; head < star.size(); ++head)
-            for (int k = 0; k < 4; ++k) {
-              const Index other = next[star[head]][k];
-              if (other < 0 || tet[star[head]][k] == v) continue;
-              if (std::find(star.begin(), star.end(), other) == star.end()) star.push_back(other);
-            }
-          for (const Index t : star)
-            if (!apart(plc.V.data(), tet[t], facets[f])) seen.push_back(t);
-          for (std::size_t head = 0; head < seen.size(); ++head)
-            for (const Index other : next[seen[head]])
-              if (other >= 0 && std::find(seen.begin(), seen.end(), other) == seen.end() &&
-                  !apart(plc.V.data(), tet[other], facets[f]))
-                seen.push_back(other);
-          for (const Index t : seen) out.emplace_back(t, f);
+          crossing.find(missing[i], tet.size(), lists);
+          for (const Index t : lists.seen) out.emplace_back(t, missing[i]);
         }
       });
+}
+
+bool DelaunayMatch::crosses_many() const {
+  const Crossing crossing(*this);
+  const std::int64_t n = static_cast<std::int64_t>(missing.size()), step = n / kSampledFacets + 1;
+  const std::int64_t samples = (n + step - 1) / step;
+  const std::int64_t tets = parallel_reduce(
+      samples, kHeavyGrain, std::int64_t{0},
+      [&](std::int64_t begin, std::int64_t end) {
+        std::int64_t sum = 0;
+        Crossing::Lists lists;
+        for (std::int64_t i = begin; i < end; ++i) {
+          crossing.find(missing[step * i], 4 * kMostCrossed, lists);
+          sum += static_cast<std::int64_t>(lists.seen.size());
+        }
+        return sum;
+      },
+      std::plus<>());
+  return tets > static_cast<std::int64_t>(kMostCrossed) * samples;
 }
 
 Result<TetgenResult> without_outside(const Plc& plc, const Filling& filling,
