@@ -152,6 +152,31 @@ bool DelaunayMatch::crosses_many() const {
   return tets > static_cast<std::int64_t>(kMostCrossed) * samples;
 }
 
+namespace {
+
+// Fills out.V and numbers the corners of out.T anew: without free points outside, and those that TetGen has
+// added there. The new number of each point, or -1; those that are needed keep theirs.
+std::vector<Index> number_points(const Plc& plc, const Filling& filling, TetgenResult& out) {
+  const Eigen::Index given = plc.V.rows(), all = given + static_cast<Eigen::Index>(filling.added.size());
+  std::vector<Index> place(static_cast<std::size_t>(all), -1);
+  for (Eigen::Index i = 0; i < out.T.size(); ++i) place[out.T.data()[i]] = 0;
+  out.V.resize(all, 3);
+  Index last = 0;
+  for (Eigen::Index v = 0; v < all; ++v) {
+    if (place[v] < 0 && v >= filling.needed) continue;
+    out.V.row(last) = v < given ? Eigen::RowVector3d(plc.V.row(v)) : filling.added[v - given].transpose();
+    if (v >= filling.needed && v < given) ++out.free_points;
+    if (place[v] >= 0) place[v] = last;
+    ++last;
+  }
+  if (last == all) return place;
+  out.V.conservativeResize(last, 3);
+  for (Eigen::Index i = 0; i < out.T.size(); ++i) out.T.data()[i] = place[out.T.data()[i]];
+  return place;
+}
+
+}  // namespace
+
 Result<TetgenResult> without_outside(const Plc& plc, const Filling& filling,
                                      const std::vector<char>& replaced) {
   const auto& [tet, next, facet_on, facets, source, added, needed] = filling;
@@ -186,7 +211,6 @@ Result<TetgenResult> without_outside(const Plc& plc, const Filling& filling,
   if (kept == 0) return Error{ErrorCode::unsolved, "There is no volume inside the facets; are they closed?"};
 
   TetgenResult out;
-  const Eigen::Index given = plc.V.rows();
   out.T.resize(kept, 4);
   out.neighbours.resize(kept, 4);
   out.facet_on.resize(kept);
@@ -200,33 +224,10 @@ Result<TetgenResult> without_outside(const Plc& plc, const Filling& filling,
       }
     }
   });
-  // Free points outside, and those that TetGen has added there, are not needed.
-  std::vector<Index> place(given + added.size(), -1);
-  for (Index t = 0; t < kept; ++t)
-    for (int k = 0; k < 4; ++k) place[out.T(t, k)] = 0;
-  for (Eigen::Index v = 0; v < needed; ++v) {
+  const std::vector<Index> place = number_points(plc, filling, out);
+  for (Index v = 0; v < needed; ++v)
     if (place[v] < 0)
       return Error{ErrorCode::unsolved, "Vertex " + std::to_string(v) + " lies outside the facets."};
-    place[v] = static_cast<Index>(v);
-  }
-  out.V.resize(static_cast<Eigen::Index>(place.size()), 3);
-  out.V.topRows(needed) = plc.V.topRows(needed);
-  Index last = needed;
-  for (Eigen::Index v = needed; v < out.V.rows(); ++v) {
-    if (v == given) out.free_points = last - needed;
-    if (place[v] < 0) continue;
-    place[v] = last;
-    if (v < given)
-      out.V.row(last++) = plc.V.row(v);
-    else
-      out.V.row(last++) = added[v - given];
-  }
-  if (added.empty()) out.free_points = last - needed;
-  if (last < static_cast<Index>(place.size())) {
-    out.V.conservativeResize(last, 3);
-    for (Index t = 0; t < kept; ++t)
-      for (int k = 0; k < 4; ++k) out.T(t, k) = place[out.T(t, k)];
-  }
   out.facets.resize(count, 3);
   out.facet_sources = source;
   out.facet_markers.resize(count);
