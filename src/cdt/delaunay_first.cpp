@@ -9,6 +9,7 @@
 #include <tuple>
 #include <utility>
 
+#include "kernels/core/assertions.h"
 #include "kernels/core/tet_tables.h"
 #include "kernels/core/tuning.h"
 #include "kernels/core/union_find.h"
@@ -568,12 +569,15 @@ void DelaunayFirst::put_in(const Piece& piece) {
 Result<TetgenResult> tetrahedralize_delaunay_first(const Plc& plc, const RunContext& context,
                                                    const DelaunayFirstOptions& options,
                                                    DelaunayBuilder begun) {
+  OVERTET_EXPECTS(options.free_points == 0 || !options.in_parts);
   const auto begin = RunContext::Clock::now();
   DelaunayMatch match(plc);
   if (auto error = match.run(context, std::move(begun), options.free_points)) return *error;
   const Index missing = static_cast<Index>(match.missing.size());
-  const bool few = static_cast<double>(missing) <= options.most_missing * static_cast<double>(plc.F.rows());
-  if (!few && options.free_points > 0) return unsolved("Too many facets are missing for free points.");
+  const double most = options.in_parts ? options.most_missing : options.most_missing_without_parts;
+  const bool few = static_cast<double>(missing) <= most * static_cast<double>(plc.F.rows());
+  if (!options.in_parts && (!few || match.crosses_many()))
+    return unsolved("Too many facets are not faces of the Delaunay tets.");
   Result<TetgenResult> out =
       few ? DelaunayFirst(match, context, options).run() : mesh_in_parts(match, options.parts, context);
   if (out) {

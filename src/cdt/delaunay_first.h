@@ -14,12 +14,14 @@
 namespace overtet {
 
 struct DelaunayFirstOptions {
-  // If more than this share of the facets is missing, TetGen does all of them, in parts.
-  double most_missing = 0.2;
+  // If more than this share of the facets is missing, TetGen does all of them, in parts. Where it must not,
+  // cavities are filled up to another share, and beyond that nothing is done.
+  bool in_parts = true;
+  double most_missing = 0.2, most_missing_without_parts = 0.5;
   // If TetGen would get more facets and walls of cavities than this share of all facets, it may as well do
   // all of them.
   double most_left = 0.5;
-  Index free_points = 0;    // the last so many points lie on no facet and may be left out
+  Index free_points = 0;    // the last so many points lie on no facet and may be left out; not in parts
   PartsOptions parts = {};  // patience and splits count for what TetGen is left with, too
 };
 

@@ -1,6 +1,7 @@
 #include "src/cdt/delaunay_match.h"
 
 #include <algorithm>
+#include <functional>
 #include <string>
 
 #include "kernels/core/assertions.h"
@@ -76,37 +77,105 @@ std::optional<Error> DelaunayMatch::run(const RunContext& context, DelaunayBuild
   return std::nullopt;
 }
 
-// Those that have a point of the facet's inside are connected by faces, and some of them are at its corners.
+namespace {
+
+// Finds the tets that have a point of a facet's inside: they are connected by faces, and some of them are at
+// its corners.
+class Crossing {
+ public:
+  explicit Crossing(const DelaunayMatch& match) : match_(match), tet_at_(match.plc.V.rows(), -1) {
+    for (Index t = 0; t < static_cast<Index>(match.tet.size()); ++t)
+      for (int k = 0; !match.replaced[t] && k < 4; ++k) tet_at_[match.tet[t][k]] = t;
+  }
+
+  struct Lists {
+    std::vector<Index> star, seen;
+  };
+  // Fills lists.seen; with so many it ends early.
+  void find(Index f, std::size_t most, Lists& lists) const {
+    const auto &tet = match_.tet, &next = match_.next;
+    const Triple& facet = match_.facets[f];
+    auto& [star, seen] = lists;
+    const auto crosses = [&](Index t) { return !apart(match_.plc.V.data(), tet[t], facet); };
+    seen.clear();
+    star.assign(1, tet_at_[facet[0]]);
+    for (std::size_t head = 0; head < star.size(); ++head)
+      for (int k = 0; k < 4; ++k) {
+        const Index other = next[star[head]][k];
+        if (other < 0 || tet[star[head]][k] == facet[0]) continue;
+        if (std::find(star.begin(), star.end(), other) == star.end()) star.push_back(other);
+      }
+    for (const Index t : star)
+      if (crosses(t)) seen.push_back(t);
+    for (std::size_t head = 0; head < seen.size() && seen.size() < most; ++head)
+      for (const Index other : next[seen[head]])
+        if (other >= 0 && std::find(seen.begin(), seen.end(), other) == seen.end() && crosses(other))
+          seen.push_back(other);
+  }
+
+ private:
+  const DelaunayMatch& match_;
+  std::vector<Index> tet_at_;  // one at each point
+};
+
+}  // namespace
+
 void DelaunayMatch::find_crossed_tets() {
-  std::vector<Index> tet_at(plc.V.rows(), -1);
-  for (Index t = 0; t < static_cast<Index>(tet.size()); ++t)
-    for (int k = 0; !replaced[t] && k < 4; ++k) tet_at[tet[t][k]] = t;
+  const Crossing crossing(*this);
   crossed = parallel_collect<std::pair<Index, Index>>(
       static_cast<std::int64_t>(missing.size()), 256,
       [&](std::int64_t begin, std::int64_t end, std::vector<std::pair<Index, Index>>& out) {
-        std::vector<Index> star, seen;
+        Crossing::Lists lists;
         for (std::int64_t i = begin; i < end; ++i) {
-          const Index f = missing[i];
-          seen.clear();
-          const Index v = facets[f][0];
-          star.assign(1, tet_at[v]);
-          for (std::size_t head = 0; head < star.size(); ++head)
-            for (int k = 0; k < 4; ++k) {
-              const Index other = next[star[head]][k];
-              if (other < 0 || tet[star[head]][k] == v) continue;
-              if (std::find(star.begin(), star.end(), other) == star.end()) star.push_back(other);
-            }
-          for (const Index t : star)
-            if (!apart(plc.V.data(), tet[t], facets[f])) seen.push_back(t);
-          for (std::size_t head = 0; head < seen.size(); ++head)
-            for (const Index other : next[seen[head]])
-              if (other >= 0 && std::find(seen.begin(), seen.end(), other) == seen.end() &&
-                  !apart(plc.V.data(), tet[other], facets[f]))
-                seen.push_back(other);
-          for (const Index t : seen) out.emplace_back(t, f);
+          crossing.find(missing[i], tet.size(), lists);
+          for (const Index t : lists.seen) out.emplace_back(t, missing[i]);
         }
       });
 }
+
+bool DelaunayMatch::crosses_many() const {
+  const Crossing crossing(*this);
+  const std::int64_t n = static_cast<std::int64_t>(missing.size()), step = n / kSampledFacets + 1;
+  const std::int64_t samples = (n + step - 1) / step;
+  const std::int64_t tets = parallel_reduce(
+      samples, kHeavyGrain, std::int64_t{0},
+      [&](std::int64_t begin, std::int64_t end) {
+        std::int64_t sum = 0;
+        Crossing::Lists lists;
+        for (std::int64_t i = begin; i < end; ++i) {
+          crossing.find(missing[step * i], 4 * kMostCrossed, lists);
+          sum += static_cast<std::int64_t>(lists.seen.size());
+        }
+        return sum;
+      },
+      std::plus<>());
+  return tets > static_cast<std::int64_t>(kMostCrossed) * samples;
+}
+
+namespace {
+
+// Fills out.V and numbers the corners of out.T anew: without free points outside, and those that TetGen has
+// added there. The new number of each point, or -1; those that are needed keep theirs.
+std::vector<Index> number_points(const Plc& plc, const Filling& filling, TetgenResult& out) {
+  const Eigen::Index given = plc.V.rows(), all = given + static_cast<Eigen::Index>(filling.added.size());
+  std::vector<Index> place(static_cast<std::size_t>(all), -1);
+  for (Eigen::Index i = 0; i < out.T.size(); ++i) place[out.T.data()[i]] = 0;
+  out.V.resize(all, 3);
+  Index last = 0;
+  for (Eigen::Index v = 0; v < all; ++v) {
+    if (place[v] < 0 && v >= filling.needed) continue;
+    out.V.row(last) = v < given ? Eigen::RowVector3d(plc.V.row(v)) : filling.added[v - given].transpose();
+    if (v >= filling.needed && v < given) ++out.free_points;
+    if (place[v] >= 0) place[v] = last;
+    ++last;
+  }
+  if (last == all) return place;
+  out.V.conservativeResize(last, 3);
+  for (Eigen::Index i = 0; i < out.T.size(); ++i) out.T.data()[i] = place[out.T.data()[i]];
+  return place;
+}
+
+}  // namespace
 
 Result<TetgenResult> without_outside(const Plc& plc, const Filling& filling,
                                      const std::vector<char>& replaced) {
@@ -142,7 +211,6 @@ Result<TetgenResult> without_outside(const Plc& plc, const Filling& filling,
   if (kept == 0) return Error{ErrorCode::unsolved, "There is no volume inside the facets; are they closed?"};
 
   TetgenResult out;
-  const Eigen::Index given = plc.V.rows();
   out.T.resize(kept, 4);
   out.neighbours.resize(kept, 4);
   out.facet_on.resize(kept);
@@ -156,33 +224,10 @@ Result<TetgenResult> without_outside(const Plc& plc, const Filling& filling,
       }
     }
   });
-  // Free points outside, and those that TetGen has added there, are not needed.
-  std::vector<Index> place(given + added.size(), -1);
-  for (Index t = 0; t < kept; ++t)
-    for (int k = 0; k < 4; ++k) place[out.T(t, k)] = 0;
-  for (Eigen::Index v = 0; v < needed; ++v) {
+  const std::vector<Index> place = number_points(plc, filling, out);
+  for (Index v = 0; v < needed; ++v)
     if (place[v] < 0)
       return Error{ErrorCode::unsolved, "Vertex " + std::to_string(v) + " lies outside the facets."};
-    place[v] = static_cast<Index>(v);
-  }
-  out.V.resize(static_cast<Eigen::Index>(place.size()), 3);
-  out.V.topRows(needed) = plc.V.topRows(needed);
-  Index last = needed;
-  for (Eigen::Index v = needed; v < out.V.rows(); ++v) {
-    if (v == given) out.free_points = last - needed;
-    if (place[v] < 0) continue;
-    place[v] = last;
-    if (v < given)
-      out.V.row(last++) = plc.V.row(v);
-    else
-      out.V.row(last++) = added[v - given];
-  }
-  if (added.empty()) out.free_points = last - needed;
-  if (last < static_cast<Index>(place.size())) {
-    out.V.conservativeResize(last, 3);
-    for (Index t = 0; t < kept; ++t)
-      for (int k = 0; k < 4; ++k) out.T(t, k) = place[out.T(t, k)];
-  }
   out.facets.resize(count, 3);
   out.facet_sources = source;
   out.facet_markers.resize(count);

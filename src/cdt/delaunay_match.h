@@ -45,6 +45,9 @@ struct DelaunayMatch {
 
   // The tets that each missing facet passes through, by facet.
   void find_crossed_tets();
+  // Whether missing facets, or some of them that are looked at, pass through so many that it is better to
+  // leave them to TetGen.
+  bool crosses_many() const;
 
   const Plc& plc;
   RawVector<Tet> tet, next;    // as TetArrays

@@ -174,11 +174,10 @@ Result<TetgenResult> with_free_points(Recovery& r) {
   if (auto stop = r.context.stop()) return *stop;
   Plc more = r.plc;
   more.V = joined(r.plc.V, free);
-  DelaunayFirstOptions options;
-  options.most_missing = 0.5;
-  options.free_points = static_cast<Index>(free.rows());
-  options.parts = r.parts();
-  return tetrahedralize_delaunay_first(more, r.context, options, std::move(begun.builder));
+  return tetrahedralize_delaunay_first(
+      more, r.context,
+      {.in_parts = false, .free_points = static_cast<Index>(free.rows()), .parts = r.parts()},
+      std::move(begun.builder));
 }
 
 Result<TetgenResult> delaunay_first(Recovery& r) {

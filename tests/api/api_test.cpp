@@ -158,7 +158,7 @@ TEST(Api, BadInputIsNamed) {
 }
 
 TEST(Api, TheContextEndsARun) {
-  const Surface s = test::two_spheres();
+  const Surface s = test::curled_worm();  // TetGen is needed
   const std::atomic<bool> cancel{true};
   RunContext cancelled, late, small, no_helper;
   cancelled.cancel = &cancel;

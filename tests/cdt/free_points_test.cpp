@@ -91,6 +91,7 @@ TEST(FreePoints, AreVerticesInside) {
   DelaunayFirstOptions options;
   options.free_points = static_cast<Index>(points.rows());
   options.parts.accept_split = false;
+  options.in_parts = false;
   Result<TetgenResult> first = Error{ErrorCode::internal, "not run"};
   for (const int threads : {1, 2, 3}) {
     const ScopedThreads scope(threads);

@@ -291,7 +291,7 @@ TEST_F(Cli, AMissingHelperIsExplained) {
   const std::string program = folder_.file("overtet");
   std::filesystem::copy_file(OVERTET_PROGRAM, program);
   const ShellResult r =
-      shell(program + " mesh " + save("s.off", test::sphere(1)) + " -o " + folder_.file("o.mesh"));
+      shell(program + " mesh " + save("s.off", test::curled_worm()) + " -o " + folder_.file("o.mesh"));
   EXPECT_EQ(r.exit_code, 7);
   expect_one_line(r);
   EXPECT_NE(r.err.find("overtet-tetgen"), std::string::npos) << r.err;
@@ -481,7 +481,7 @@ TEST_F(Cli, BrokenInstallationIsAnInternalError) {
   std::ofstream(helper) << "no program";
   fs::permissions(helper, fs::perms::owner_all);
   const ShellResult r =
-      shell(program + " mesh " + save("s.off", test::sphere(2)) + " -o " + folder_.file("o.mesh"));
+      shell(program + " mesh " + save("s.off", test::curled_worm()) + " -o " + folder_.file("o.mesh"));
   EXPECT_EQ(r.exit_code, 70);
   EXPECT_NE(r.err.find("overtet-tetgen"), std::string::npos) << r.err;
   EXPECT_FALSE(exists("o.mesh"));
@@ -777,7 +777,7 @@ TEST_F(Cli, WhatIsFreeIsTheMemoryLimitUnlessOneIsGiven) {
 }
 
 TEST_F(Cli, InterruptsLeaveNothingBehind) {
-  const std::string in = save("a.ply", test::sphere(6));
+  const std::string in = save("a.ply", test::box(80));  // grids are left to TetGen
   for (const int number : {SIGINT, SIGTERM}) {
     const TemporaryFolder logs;
     test::Process p(
