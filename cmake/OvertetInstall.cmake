@@ -30,7 +30,7 @@ install(FILES ${CMAKE_BINARY_DIR}/package/overtet-config.cmake
 
 file(RELATIVE_PATH OVERTET_PREFIX_FROM_PC ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
 set(OVERTET_PC_LIBS "-L\${libdir} -lovertet")
-set(OVERTET_PC_STATIC_LIBS "-lcholmod -lcadical -ltbb -lmpfr -lgmp -lz -ldl -pthread")
+set(OVERTET_PC_STATIC_LIBS "-lcadical -ltbb -lmpfr -lgmp -lz -ldl -pthread")
 if(NOT OVERTET_SHARED)  # then everybody links what it needs
   string(APPEND OVERTET_PC_LIBS " ${OVERTET_PC_STATIC_LIBS}")
 endif()

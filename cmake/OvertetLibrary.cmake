@@ -18,6 +18,6 @@ function(overtet_library)
   # Matrices are allocated on one side and freed on the other: both must align them alike, whatever -march says.
   target_compile_definitions(overtet_library INTERFACE $<INSTALL_INTERFACE:EIGEN_MAX_ALIGN_BYTES=16>)
   target_link_libraries(overtet_library PUBLIC Eigen3::Eigen
-    PRIVATE TBB::tbb Threads::Threads cholmod cadical gmp mpfr z ${CMAKE_DL_LIBS})
+    PRIVATE TBB::tbb Threads::Threads cadical gmp mpfr z ${CMAKE_DL_LIBS})
   add_dependencies(overtet_library overtet-tetgen)
 endfunction()

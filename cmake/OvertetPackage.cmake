@@ -16,6 +16,10 @@ set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME overtet)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
+# Loaded when it is needed first (kernels/sparse), so that nothing links it.
+file(STRINGS ${OVERTET_CHOLMOD_INCLUDE}/suitesparse/cholmod.h cholmod_version REGEX "define CHOLMOD_MAIN_VERSION")
+string(REGEX REPLACE ".*VERSION +" "" cholmod_version "${cholmod_version}")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "libcholmod${cholmod_version}")
 set(CPACK_DEBIAN_PROGRAM_DESCRIPTION
   "Overtet fills a closed triangle surface with tetrahedra that overlap where
 the surface does. Every input triangle stays a boundary triangle; where no such
@@ -23,8 +27,8 @@ mesh exists, it says why in a way that anyone can check.")
 
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libovertet-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "overtet (= ${PROJECT_VERSION}), libeigen3-dev, libtbb-dev, \
-libsuitesparse-dev, libcadical-dev, libgmp-dev, libmpfr-dev")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "overtet (= ${PROJECT_VERSION}), libeigen3-dev, libtbb-dev, libcadical-dev, \
+libgmp-dev, libmpfr-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION
   "Overtet fills a closed triangle surface with tetrahedra that overlap where
 the surface does. This package has what programs need that call it: the headers,

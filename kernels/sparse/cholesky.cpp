@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <mutex>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "kernels/parallel/counts.h"
@@ -12,6 +14,46 @@
 namespace overtet {
 
 namespace {
+
+// CHOLMOD's functions, loaded when the first factor is asked for: with it come a BLAS, LAPACK, METIS and the
+// run-time libraries of Fortran and OpenMP, a third of what a program takes to start, and most runs factor
+// nothing. Global, because the names of those libraries are looked up below.
+struct Cholmod {
+  Cholmod() {
+    // By the name that the loader knows this ABI by.
+    const std::string name = "libcholmod.so." + std::to_string(CHOLMOD_MAIN_VERSION);
+    void* library = dlopen(name.c_str(), RTLD_NOW | RTLD_GLOBAL);
+    // Where the loader does not look: as it was found when this was built.
+    if (!library) library = dlopen(OVERTET_CHOLMOD_FILE, RTLD_NOW | RTLD_GLOBAL);
+    if (!library) throw std::runtime_error("cannot load " + name + " (of SuiteSparse)");
+    find(library, "cholmod_start", start);
+    find(library, "cholmod_finish", finish);
+    find(library, "cholmod_analyze", analyze);
+    find(library, "cholmod_factorize", factorize);
+    find(library, "cholmod_solve2", solve2);
+    find(library, "cholmod_free_factor", free_factor);
+    find(library, "cholmod_free_dense", free_dense);
+  }
+
+  template <class Function>
+  static void find(void* library, const char* name, Function*& function) {
+    function = reinterpret_cast<Function*>(dlsym(library, name));
+    if (!function) throw std::runtime_error(std::string("CHOLMOD has no ") + name);
+  }
+
+  decltype(cholmod_start)* start;
+  decltype(cholmod_finish)* finish;
+  decltype(cholmod_analyze)* analyze;
+  decltype(cholmod_factorize)* factorize;
+  decltype(cholmod_solve2)* solve2;
+  decltype(cholmod_free_factor)* free_factor;
+  decltype(cholmod_free_dense)* free_dense;
+};
+
+const Cholmod& cholmod() {
+  static const Cholmod loaded;
+  return loaded;
+}
 
 // A threaded BLAS is told once to use one thread. The reference BLAS has no such function.
 void pin_blas_to_one_thread() {
@@ -54,7 +96,7 @@ cholmod_sparse view(const SymmetricMatrix& A) {
 
 struct SparseCholesky::Impl {
   explicit Impl(const CholeskyOptions& options) {
-    cholmod_start(&common);
+    cholmod().start(&common);
     common.print = 0;
     common.error_handler = nullptr;
     common.nmethods = 1;
@@ -73,11 +115,11 @@ struct SparseCholesky::Impl {
     common.quick_return_if_not_posdef = 1;
   }
   ~Impl() {
-    cholmod_free_factor(&L, &common);
-    cholmod_free_dense(&X, &common);
-    cholmod_free_dense(&Y, &common);
-    cholmod_free_dense(&E, &common);
-    cholmod_finish(&common);
+    cholmod().free_factor(&L, &common);
+    cholmod().free_dense(&X, &common);
+    cholmod().free_dense(&Y, &common);
+    cholmod().free_dense(&E, &common);
+    cholmod().finish(&common);
   }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
@@ -94,6 +136,7 @@ struct SparseCholesky::Impl {
 };
 
 SparseCholesky::SparseCholesky(const CholeskyOptions& options) {
+  cholmod();
   pin_blas_to_one_thread();
   impl_ = std::make_unique<Impl>(options);
 }
@@ -103,14 +146,14 @@ SparseCholesky& SparseCholesky::operator=(SparseCholesky&&) noexcept = default;
 
 bool SparseCholesky::analyze(const SymmetricMatrix& A) {
   Impl& m = *impl_;
-  cholmod_free_factor(&m.L, &m.common);
+  cholmod().free_factor(&m.L, &m.common);
   m.factored = false;
   m.rows = -1;
   if (A.rows() != A.cols() || !A.isCompressed()) return false;
   if (A.rows() > 0) {
     if (m.automatic) m.common.method[0].ordering = A.rows() < kMetisRows ? CHOLMOD_AMD : CHOLMOD_METIS;
     cholmod_sparse s = view(A);
-    m.L = cholmod_analyze(&s, &m.common);
+    m.L = cholmod().analyze(&s, &m.common);
     if (!m.L) return false;
   }
   m.rows = A.rows();
@@ -129,7 +172,7 @@ bool SparseCholesky::factor(const SymmetricMatrix& A) {
       if (!std::isfinite(x[i])) return false;
     pin_openmp_to_one_thread();
     cholmod_sparse s = view(A);
-    if (!cholmod_factorize(&s, m.L, &m.common) || m.common.status != CHOLMOD_OK) return false;
+    if (!cholmod().factorize(&s, m.L, &m.common) || m.common.status != CHOLMOD_OK) return false;
     if (m.L->minor < static_cast<std::size_t>(m.rows)) return false;
     count(Count::factorisations);
     count(Count::factor_nonzeros, static_cast<std::int64_t>(m.common.lnz));
@@ -158,7 +201,7 @@ bool SparseCholesky::solve(const VertexMatrix& B, VertexMatrix& X) const {
   b.x = m.columns.data();
   b.xtype = CHOLMOD_REAL;
   b.dtype = CHOLMOD_DOUBLE;
-  if (!cholmod_solve2(CHOLMOD_A, m.L, &b, nullptr, &m.X, nullptr, &m.Y, &m.E, &m.common)) return false;
+  if (!cholmod().solve2(CHOLMOD_A, m.L, &b, nullptr, &m.X, nullptr, &m.Y, &m.E, &m.common)) return false;
   X.resize(m.rows, 3);
   const double* x = static_cast<const double*>(m.X->x);
   for (std::size_t i = 0; i < n; ++i)

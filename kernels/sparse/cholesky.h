@@ -1,5 +1,6 @@
 // Sparse Cholesky factors of symmetric positive definite matrices: analyse the pattern once, factor as
-// often as the values change, solve for three coordinates at a time. The only room that names CHOLMOD.
+// often as the values change, solve for three coordinates at a time. The only room that names CHOLMOD, which
+// is loaded when the first object is made.
 //
 // Everything runs in one thread: at the sizes of this program (10^3 to 10^6 rows, surfaces) the factor
 // is too thin to feed several, the callers have other work for the cores, and a threaded BLAS under
@@ -35,6 +36,7 @@ struct CholeskyOptions {
 
 class SparseCholesky {
  public:
+  // Throws std::runtime_error where CHOLMOD cannot be loaded: the installation is broken.
   explicit SparseCholesky(const CholeskyOptions& options = {});
   ~SparseCholesky();
   SparseCholesky(SparseCholesky&&) noexcept;

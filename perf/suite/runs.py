@@ -21,6 +21,23 @@ def models(arguments):
     return found
 
 
+def faces_of(model):
+    """How many faces a file says that it has (.off, .obj, .ply, binary .stl); 0 where it does not say so."""
+    with open(model, "rb") as file:
+        if model.lower().endswith(".obj"):
+            return sum(line.startswith(b"f ") for line in file)
+        if model.lower().endswith(".stl"):
+            return int.from_bytes(file.read(84)[80:], "little")
+        words = []
+        for line in file:
+            words += line.split(b"#")[0].split()
+            if words[:1] == [b"ply"] and line.strip() == b"end_header":
+                return int(words[words.index(b"face") + 1])
+            if words[:1] != [b"ply"] and len(words) > 2:
+                return int(words[2])
+    return 0
+
+
 def run(program, model, arguments=(), threads=0, time_limit=600.0, grace=5.0, output=None):
     """One whole run: {model, exit_code, status, wall_seconds, cpu_seconds, peak_rss_bytes, bytes_written, report}.
 

@@ -92,7 +92,8 @@ void Watchdog::watch() {
   const auto longer = [](Clock::time_point since, Clock::duration grace) {
     return since != Clock::time_point::max() && Clock::now() > since && Clock::now() - since > grace;
   };
-  while (!dismissed_) {
+  // Nothing is ended before some time has passed, so there is nothing to look at in the beginning.
+  while (!wake_.wait_for(lock, kWatchPeriod, [this] { return dismissed_; })) {
     if (!interrupted)
       interrupted_at = Clock::time_point::max();
     else if (interrupted_at == Clock::time_point::max())
@@ -118,7 +119,6 @@ void Watchdog::watch() {
       late_(*end);
       end_at_once(static_cast<int>(end->code));
     }
-    wake_.wait_for(lock, kWatchPeriod);
   }
 }
 

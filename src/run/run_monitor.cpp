@@ -59,7 +59,9 @@ std::size_t tree_resident_bytes() {
 RunMonitor::RunMonitor(const RunContext& outer)
     : inner_(outer), outer_cancel_(outer.cancel), limit_(outer.memory_limit_bytes) {
   inner_.cancel = &stop_;
-  look();  // once at once, so that short runs are measured too
+  // Of runs that end before the first look the system knows the peak (peak_bytes()), and a look at all
+  // processes is not free. But what is too much or unwanted already must not begin.
+  if ((limit_ > 0 && peak_bytes() > limit_) || (outer_cancel_ && outer_cancel_->load())) look();
   // Signals are for the thread that the caller has chosen, never for this one.
   sigset_t all, before;
   sigfillset(&all);
@@ -89,10 +91,7 @@ void RunMonitor::look() {
 
 void RunMonitor::watch() {
   std::unique_lock lock(mutex_);
-  while (!ended_) {
-    look();
-    wake_.wait_for(lock, kLookPeriod);
-  }
+  while (!wake_.wait_for(lock, kLookPeriod, [this] { return ended_; })) look();
 }
 
 std::size_t RunMonitor::peak_bytes() const {

@@ -124,8 +124,35 @@ class Scripts(unittest.TestCase):
         self.assertEqual(done.returncode, 1)
         self.assertIn("PROBLEM worm", done.stdout)
 
+    def test_batch_compares_two_programs(self):
+        output = os.path.join(self.folder.name, "batch")
+        done = script(os.path.join(SOURCE, "perf/batch/batch"), "--program", PROGRAM, "--program", PROGRAM, "--jobs", "2",
+                      "--rounds", "2", "--output", output, self.worm, self.worm)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("2 meshed", done.stdout)
+        self.assertIn("0 of 2 results differ", done.stdout)
+        with open(output + ".json", encoding="utf-8") as file:
+            data = json.load(file)
+        self.assertEqual(len(data["runs"]), 8)
+        self.assertEqual({run["exit_code"] for run in data["runs"]}, {0})
+        with open(self.worm, encoding="utf-8") as file:
+            self.assertEqual({run["faces"] for run in data["runs"]}, {int(file.read().split()[2])})
+
+    def test_batch_names_what_is_not_answered(self):
+        done = script(os.path.join(SOURCE, "perf/batch/batch"), "--program", PROGRAM, "--rounds", "1", self.models)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("PROBLEM A: broken.off ended with 3", done.stdout)
+
+    def test_the_program_starts_without_what_few_runs_need(self):
+        loaded = subprocess.run([PROGRAM], env={**os.environ, "LD_TRACE_LOADED_OBJECTS": "1"}, capture_output=True, text=True,
+                                timeout=100, check=True).stdout
+        self.assertIn("libtbb", loaded)
+        for library in ("libcholmod", "libblas", "libgomp"):
+            self.assertNotIn(library, loaded)
+
     def test_wrong_usage(self):
         for arguments in (["perf/suite/suite", "--program", PROGRAM, "no_such_file.off"],
+                          ["perf/batch/batch", "--program", PROGRAM, "no_such_file.off"],
                           ["perf/compare/compare", "no_such_file.json", "no_such_file.json"],
                           ["scripts/profile", "--program", PROGRAM, "no_such_file.off"]):
             self.assertEqual(script(os.path.join(SOURCE, arguments[0]), *arguments[1:]).returncode, 2, arguments)
