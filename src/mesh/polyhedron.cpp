@@ -40,13 +40,27 @@ double det(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector
   return (b - a).cross(c - a).dot(d - a);
 }
 
-// The segment p-q goes through the inside of the triangle with this normal. Rounded: this only makes the
-// search shorter.
-bool pierces(const Vector3d& p, const Vector3d& q, const Vector3d& a, const Vector3d& b, const Vector3d& c,
-             const Vector3d& normal) {
-  if (!(normal.dot(p - a) * normal.dot(q - a) < 0)) return false;
-  const double u = det(p, q, a, b), v = det(p, q, b, c), w = det(p, q, c, a);
-  return (u > 0 && v > 0 && w > 0) || (u < 0 && v < 0 && w < 0);
+// The line through p and q goes through the inside of the triangle.
+bool line_pierces(const Vector3d& p, const Vector3d& q, const Vector3d& a, const Vector3d& b,
+                  const Vector3d& c) {
+  const double u = det(p, q, a, b), v = det(p, q, b, c);
+  if (!((u > 0 && v > 0) || (u < 0 && v < 0))) return false;
+  const double w = det(p, q, c, a);
+  return (u > 0 && w > 0) || (u < 0 && w < 0);
+}
+
+// n choose k, for numbers of points.
+template <int k>
+int choose(int n) {
+  static constexpr auto all = [] {
+    std::array<int, kMostPoints> table{};
+    for (int i = k; i < kMostPoints; ++i) {
+      table[i] = 1;
+      for (int j = 0; j < k; ++j) table[i] = table[i] * (i - j) / (j + 1);
+    }
+    return table;
+  }();
+  return all[n];
 }
 
 }  // namespace
@@ -68,7 +82,7 @@ int Polyhedron::add_point(const Vector3d& p) {
 int Polyhedron::triple(int i, int j, int k) {
   Face f{i, j, k};
   sort_face(f);
-  return f[2] * (f[2] - 1) * (f[2] - 2) / 6 + f[1] * (f[1] - 1) / 2 + f[0];
+  return choose<3>(f[2]) + choose<2>(f[1]) + f[0];
 }
 
 void Polyhedron::add_face(const Face& face) {
@@ -111,7 +125,7 @@ double Polyhedron::quality(const Face& face, int v) {
         std::swap(i[b], i[b + 1]);
         odd = !odd;
       }
-  const int at = i[3] * (i[3] - 1) * (i[3] - 2) / 6 * (i[3] - 3) / 4 + triple(i[0], i[1], i[2]);
+  const int at = choose<4>(i[3]) + choose<3>(i[2]) + choose<2>(i[1]) + i[0];
   double& q = quality_[odd][at];
   if (q < 0) {
     q = min_dihedral_sine(point_[face[0]], point_[face[1]], point_[face[2]], point_[v]);
@@ -120,28 +134,53 @@ double Polyhedron::quality(const Face& face, int v) {
   return q;
 }
 
+const std::vector<double>& Polyhedron::sides_of(int p) {
+  std::vector<double>& sides = sides_[p];
+  if (sides.empty())
+    for (std::size_t i = 0; i < faces_.size(); ++i)
+      sides.push_back(normals_[i].dot(point_[p] - point_[faces_[i][0]]));
+  return sides;
+}
+
+// Rounded, as faces_leave(): this only makes the search shorter.
+bool Polyhedron::edge_leaves(int p, int q) {
+  std::int8_t& known = edge_leaves_[std::min(p, q)][std::max(p, q)];
+  if (known >= 0) return known != 0;
+  const std::vector<double>&sides_p = sides_of(p), &sides_q = sides_of(q);
+  for (std::size_t i = 0; i < faces_.size(); ++i) {
+    if (!(sides_p[i] * sides_q[i] < 0)) continue;
+    const Face& g = faces_[i];
+    if (has(g, p) || has(g, q)) continue;
+    if (line_pierces(point_[p], point_[q], point_[g[0]], point_[g[1]], point_[g[2]])) return known = 1;
+  }
+  return known = 0;
+}
+
+bool Polyhedron::face_leaves(const Face& f) {
+  const Vector3d &a = point_[f[0]], &b = point_[f[1]], &c = point_[f[2]], normal = (b - a).cross(c - a);
+  std::array<double, kMostPoints> sides;
+  std::uint32_t above = 0, below = 0;
+  for (int v = 0; v < count_; ++v) {
+    sides[v] = normal.dot(point_[v] - a);
+    above |= static_cast<std::uint32_t>(sides[v] > 0) << v;
+    below |= static_cast<std::uint32_t>(sides[v] < 0) << v;
+  }
+  const std::uint32_t others = ~(1u << f[0] | 1u << f[1] | 1u << f[2]);
+  for (std::uint32_t from = above & others; from != 0; from &= from - 1) {
+    const int p = std::countr_zero(from);
+    for (std::uint32_t to = edges_[p] & below & others; to != 0; to &= to - 1) {
+      const int q = std::countr_zero(to);
+      if (sides[p] * sides[q] < 0 && line_pierces(point_[std::min(p, q)], point_[std::max(p, q)], a, b, c))
+        return true;
+    }
+  }
+  return false;
+}
+
 bool Polyhedron::leaves(const Face& f) {
   std::int8_t& known = leaves_[triple(f[0], f[1], f[2])];
-  if (known >= 0) return known != 0;
-  known = 0;
-  for (int k = 0; k < 3 && known == 0; ++k) {
-    const int p = f[k], q = f[(k + 1) % 3];
-    std::int8_t& edge = edge_leaves_[std::min(p, q)][std::max(p, q)];
-    if (edge < 0) {
-      edge = 0;
-      for (std::size_t i = 0; i < faces_.size() && edge == 0; ++i) {
-        const Face& g = faces_[i];
-        if (has(g, p) || has(g, q)) continue;
-        edge = pierces(point_[p], point_[q], point_[g[0]], point_[g[1]], point_[g[2]], normals_[i]);
-      }
-    }
-    known = edge;
-  }
-  const Vector3d &a = point_[f[0]], &b = point_[f[1]], &c = point_[f[2]], normal = (b - a).cross(c - a);
-  for (std::size_t e = 0; e < edges_.size() && known == 0; ++e) {
-    const auto [p, q] = edges_[e];
-    if (!has(f, p) && !has(f, q)) known = pierces(point_[p], point_[q], a, b, c, normal);
-  }
+  if (known < 0)
+    known = edge_leaves(f[0], f[1]) || edge_leaves(f[1], f[2]) || edge_leaves(f[2], f[0]) || face_leaves(f);
   return known != 0;
 }
 
@@ -244,12 +283,12 @@ double Polyhedron::fill(double must, std::int64_t most_steps, std::vector<Tet>& 
   std::fill(leaves_.begin(), leaves_.begin() + triples, std::int8_t{-1});
   for (int i = 0; i < count_; ++i) edge_leaves_[i].fill(-1);
   for (auto& c : choices_) std::fill(c.begin(), c.begin() + triples, Choices{0, 0});
-  edges_.clear();
+  edges_.fill(0);
   normals_.clear();
+  for (auto& sides : sides_) sides.clear();
   for (const Face& f : faces_) {
     normals_.push_back((point_[f[1]] - point_[f[0]]).cross(point_[f[2]] - point_[f[0]]));
-    for (int k = 0; k < 3; ++k)
-      if (f[k] < f[(k + 1) % 3]) edges_.push_back({f[k], f[(k + 1) % 3]});
+    for (int k = 0; k < 3; ++k) edges_[f[k]] |= 1u << f[(k + 1) % 3] | 1u << f[(k + 2) % 3];
   }
   age_ = 1;
   bound_ = must;

@@ -52,7 +52,10 @@ class Polyhedron {
   void open(const Face& face, int triple, bool odd);
   void close(int triple);
   double quality(const Face& f, int v);
-  bool leaves(const Face& f);  // goes through an edge or a face of the polyhedron
+  bool leaves(const Face& f);       // goes through an edge or a face of the polyhedron
+  bool edge_leaves(int p, int q);   // through a face
+  bool face_leaves(const Face& f);  // around an edge
+  const std::vector<double>& sides_of(int p);
   std::uint32_t choices(const Face& f, int triple, bool odd);
   // Takes the tet; false (and nothing has changed) where it does not fit.
   bool push(const Tet& tet);
@@ -63,8 +66,9 @@ class Polyhedron {
   std::array<Eigen::Vector3d, kMostPoints> point_;
   std::array<std::uint32_t, kMostPoints> barred_{};
   std::vector<Face> faces_;
-  std::vector<Eigen::Vector3d> normals_;  // of the faces
-  std::vector<std::array<int, 2>> edges_;
+  std::vector<Eigen::Vector3d> normals_;                // of the faces
+  std::array<std::vector<double>, kMostPoints> sides_;  // of a point, of each face's plane; empty: not known
+  std::array<std::uint32_t, kMostPoints> edges_;        // of the polyhedron: of a point, its neighbours
   std::array<State, kTriples> state_;
   std::array<std::int16_t, kTriples> place_;  // in open_
   std::vector<Open> open_;

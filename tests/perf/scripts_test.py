@@ -139,9 +139,17 @@ class Scripts(unittest.TestCase):
             self.assertEqual({run["faces"] for run in data["runs"]}, {int(file.read().split()[2])})
 
     def test_batch_names_what_is_not_answered(self):
-        done = script(os.path.join(SOURCE, "perf/batch/batch"), "--program", PROGRAM, "--rounds", "1", self.models)
+        bad = os.path.join(self.folder.name, "crashing")
+        with open(bad, "w", encoding="utf-8") as file:
+            file.write("#!/bin/sh\nkill -SEGV $$\n")
+        os.chmod(bad, 0o755)
+        done = script(os.path.join(SOURCE, "perf/batch/batch"), "--program", PROGRAM, "--program", bad, "--rounds", "1",
+                      self.models)
         self.assertEqual(done.returncode, 1)
-        self.assertIn("PROBLEM A: broken.off ended with 3", done.stdout)
+        self.assertIn("A: ", done.stdout)
+        self.assertIn("1 meshed, 1 bad input", done.stdout)
+        self.assertIn("PROBLEM B: worm.off ended with -11", done.stdout)
+        self.assertNotIn("PROBLEM A", done.stdout)
 
     def test_the_program_starts_without_what_few_runs_need(self):
         loaded = subprocess.run([PROGRAM], env={**os.environ, "LD_TRACE_LOADED_OBJECTS": "1"}, capture_output=True, text=True,
