@@ -6,6 +6,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -69,6 +70,8 @@ Labels labels_of_faces(const Surface& surface, const SurfaceAttributes& attribut
 
 struct MeshAttributeOptions {
   bool layers = true;  // what takes longest, a twentieth of meshing: not all formats have a place for it
+  // The surface's largest winding number, where it is known: where that is 1, so is the number of layers.
+  std::optional<int> winding_max;
 };
 
 // All that a file of the mesh should say.

@@ -219,7 +219,9 @@ Result<Meshing> make_mesh(const MeshCommand& command, TetFormat format, const Ru
   if (interrupt_flag()) return Error{ErrorCode::interrupted, "Interrupted; nothing was written."};
   context.report("label", 0);
   const LabelledSurface of = surface_of(input, made.value());
-  const MeshAttributeOptions wanted{keeps_layers(format)};
+  MeshAttributeOptions wanted;
+  wanted.layers = keeps_layers(format);
+  if (report.status != RunStatus::repaired) wanted.winding_max = report.input.winding_max;
   const Result<MeshAttributes> attributes = timed("label", labelled, [&] {
     return mesh_attributes(of.surface, of.attributes, made.value().mesh, wanted, context);
   });

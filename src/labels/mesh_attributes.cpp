@@ -277,6 +277,10 @@ Result<MeshAttributes> mesh_attributes(const Surface& surface, const SurfaceAttr
   out.vertex_data = with_inner_vertices(attributes.vertex_data, all);
   out.triangle_data = attributes.face_data;
   if (!options.layers) return out;
+  if (options.winding_max == 1) {
+    out.layers.assign(static_cast<std::size_t>(mesh.T.rows()), 1);
+    return out;
+  }
   Result<std::vector<Index>> layers = LayerCount(in_place, mesh).all(context);
   if (!layers) return layers.error();
   out.layers = std::move(layers).value();

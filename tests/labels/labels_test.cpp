@@ -61,6 +61,17 @@ TEST(MeshAttributes, LayersAreTheTetsThatCoverThePoint) {
   }
 }
 
+TEST(MeshAttributes, KnownWindingNumbersChangeNothing) {
+  for (const Surface& s : {test::curled_worm(), test::two_spheres(), test::sphere_with_cavity()}) {
+    Report report;
+    const Result<Meshing> made = tetrahedralize(s, {}, {}, &report);
+    ASSERT_TRUE(made.ok() && report.input.winding_max);
+    const TetMesh& m = made.value().mesh;
+    EXPECT_EQ(mesh_attributes(s, {}, m, {true, report.input.winding_max}, {}).value().layers,
+              attributes(s, m).layers);
+  }
+}
+
 TEST(MeshAttributes, TheNumberOfThreadsChangesNothing) {
   const Surface s = test::curled_worm();
   const TetMesh m = meshed(s);
