@@ -2,6 +2,7 @@
 import csv
 import json
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -151,6 +152,55 @@ class Scripts(unittest.TestCase):
         self.assertIn("PROBLEM B: worm.off ended with -11", done.stdout)
         self.assertNotIn("PROBLEM A", done.stdout)
 
+    def test_peers_judges_all_alike_and_says_who_refuses(self):
+        found = [p for p in ("tetgen", "gmsh") if shutil.which(p)]
+        programs = ["overtet", "overtet-0"] + ["tetgen-q"] * ("tetgen" in found) + ["hxt"] * ("gmsh" in found)
+        tube, output = os.path.join(self.folder.name, "print.off"), os.path.join(self.folder.name, "peers")
+        made = script(os.path.join(SOURCE, "perf/suite/make_tangle"), tube, "1", "1", "800")
+        self.assertEqual(made.returncode, 0, made.stderr)
+        done = script(os.path.join(SOURCE, "perf/peers/peers"), "--overtet", PROGRAM, "--programs", ",".join(programs),
+                      "--threads", "1", "--repeat", "2", "--output", output, tube, self.worm)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        with open(output + ".json", encoding="utf-8") as file:
+            rows = json.load(file)["runs"]
+        self.assertEqual(len(rows), 4 * len(programs))
+        for row in rows:
+            crosses, own = row["model"] == "worm", row["program"].startswith("overtet")
+            self.assertEqual(row["end"], "refused" if crosses and not own else "meshed", row)
+            self.assertEqual(bool(row["reason"]), row["end"] == "refused", row)
+            self.assertGreater(row["peak_bytes"], 1 << 20)
+            if row["end"] == "meshed":
+                self.assertGreater(row["tets"], 100)
+                self.assertLess(row["least"], row["percent"])
+        self.assertIn("| worm | ", done.stdout)
+
+    def test_peers_shows_runs_over_their_limits(self):
+        done = script(os.path.join(SOURCE, "perf/peers/peers"), "--overtet", PROGRAM, "--programs", "overtet", "--threads", "1",
+                      "--repeat", "2", "--memory-limit", "1", self.worm)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("killed: memory limit", done.stdout)
+
+    def test_angles_of_written_meshes_are_those_of_the_report(self):
+        sys.path.insert(0, os.path.join(SOURCE, "perf/suite"))
+        try:
+            import angles  # pylint: disable=import-outside-toplevel
+        except ImportError:
+            self.skipTest("numpy is missing")
+        report = os.path.join(self.folder.name, "angles.json")
+        for extension in (".msh", ".node"):
+            mesh = os.path.join(self.folder.name, "angles" + extension)
+            run = subprocess.run([PROGRAM, "mesh", self.worm, "-o", mesh, "--report", report], capture_output=True, text=True,
+                                 timeout=100, check=False)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            with open(report, encoding="utf-8") as file:
+                quality = json.load(file)["quality"]
+            judged = angles.judge(mesh)
+            self.assertEqual(judged["tets"], quality["tets"])
+            self.assertEqual(judged["turned"], 0)
+            self.assertAlmostEqual(judged["least"], quality["dihedral_min"], 9)
+            self.assertAlmostEqual(judged["percent"], quality["dihedral_p01"], 1)
+            self.assertAlmostEqual(judged["volume"] / quality["volume"], 1, 12)
+
     def test_the_program_starts_without_what_few_runs_need(self):
         loaded = subprocess.run([PROGRAM], env={**os.environ, "LD_TRACE_LOADED_OBJECTS": "1"}, capture_output=True, text=True,
                                 timeout=100, check=True).stdout
@@ -161,6 +211,7 @@ class Scripts(unittest.TestCase):
     def test_wrong_usage(self):
         for arguments in (["perf/suite/suite", "--program", PROGRAM, "no_such_file.off"],
                           ["perf/batch/batch", "--program", PROGRAM, "no_such_file.off"],
+                          ["perf/peers/peers", "--overtet", PROGRAM, "--programs", "overtet", "no_such_file.off"],
                           ["perf/compare/compare", "no_such_file.json", "no_such_file.json"],
                           ["scripts/profile", "--program", PROGRAM, "no_such_file.off"]):
             self.assertEqual(script(os.path.join(SOURCE, arguments[0]), *arguments[1:]).returncode, 2, arguments)
