@@ -10,6 +10,7 @@
 #include "kernels/predicates/predicates.h"
 #include "src/arrangement/tuning.h"
 #include "src/exact/in_plane.h"
+#include "src/exact/piercing.h"
 #include "src/exact/tuning.h"
 
 namespace overtet {
@@ -197,12 +198,11 @@ Point IntersectionGraph::locate(const Rays& rays, const Meeting& m) const {
   const auto point = [&](Index v) { return rays.V().data() + 3 * std::int64_t{v}; };
   const auto exact_point = [&](Index v) { return exact::vec(point(v)); };
   if (m[0].dimension == 0) return Point(point(m[0].id));
-  const Vec a = exact_point(half_edge_source(rays.F(), m[0].id));
-  const Vec e = exact_point(half_edge_target(rays.F(), m[0].id)) - a;
-  if (m[1].dimension == 2) {
-    const Vec n = rays.normal(m[1].id);
-    return Point(a + (dot(n, exact::vec(rays.corner(m[1].id, 0)) - a) / dot(n, e)) * e);
-  }
+  const Index from = half_edge_source(rays.F(), m[0].id), to = half_edge_target(rays.F(), m[0].id);
+  if (const Index f = m[1].id; m[1].dimension == 2)
+    return Point(
+        exact::piercing(point(from), point(to), rays.corner(f, 0), rays.corner(f, 1), rays.corner(f, 2)));
+  const Vec a = exact_point(from), e = exact_point(to) - a;
   const Vec c = exact_point(half_edge_source(rays.F(), m[1].id));
   const Vec d = exact_point(half_edge_target(rays.F(), m[1].id)) - c;
   const Vec n = exact::cross(e, d);

@@ -5,6 +5,7 @@
 #include <random>
 #include <set>
 
+#include "src/exact/piercing.h"
 #include "src/exact/wedges.h"
 #include "tests/support/models.h"
 
@@ -104,6 +105,33 @@ TEST(Exact, SidesOfPointsInDoublesAreThoseOfFractions) {
     on += rays.side(p, f) == 0;
   }
   EXPECT_GT(on, 100);
+}
+
+TEST(Exact, PiercingPointsAreThoseOfFractions) {
+  SCOPED_TRACE(kSeed);
+  std::mt19937 random(kSeed);
+  // Of similar size, whole, of very different sizes, subnormal.
+  const auto number = [&](int kind) {
+    const double x = std::uniform_real_distribution<double>(-1, 1)(random);
+    return kind == 0   ? x
+           : kind == 1 ? std::floor(9 * x)
+           : kind == 2 ? std::ldexp(x, static_cast<int>(random() % 2000) - 1000)
+                       : std::ldexp(x, -1060);
+  };
+  int met = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    double point[5][3];
+    for (auto& p : point)
+      for (double& x : p) x = number(trial % 4);
+    const Vec p = exact::vec(point[0]), q = exact::vec(point[1]), a = exact::vec(point[2]);
+    const Vec n = exact::cross(exact::vec(point[3]) - a, exact::vec(point[4]) - a);
+    if (exact::sign(dot(n, q - p)) == 0) continue;
+    ++met;
+    const Vec expected = p + Rational(dot(n, a - p) / dot(n, q - p)) * (q - p);
+    const Vec found = exact::piercing(point[0], point[1], point[2], point[3], point[4]);
+    for (int k = 0; k < 3; ++k) EXPECT_EQ(found[k], expected[k]) << "trial " << trial;
+  }
+  EXPECT_GT(met, 1000);
 }
 
 // Every direction from a point is in one of the wedges around a line through it, and those count what is
