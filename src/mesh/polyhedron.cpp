@@ -142,18 +142,19 @@ const std::vector<double>& Polyhedron::sides_of(int p) {
   return sides;
 }
 
-// Rounded, as faces_leave(): this only makes the search shorter.
+// Rounded, as face_leaves(): this only makes the search shorter.
 bool Polyhedron::edge_leaves(int p, int q) {
   std::int8_t& known = edge_leaves_[std::min(p, q)][std::max(p, q)];
   if (known >= 0) return known != 0;
   const std::vector<double>&sides_p = sides_of(p), &sides_q = sides_of(q);
-  for (std::size_t i = 0; i < faces_.size(); ++i) {
+  known = 0;
+  for (std::size_t i = 0; i < faces_.size() && known == 0; ++i) {
     if (!(sides_p[i] * sides_q[i] < 0)) continue;
     const Face& g = faces_[i];
     if (has(g, p) || has(g, q)) continue;
-    if (line_pierces(point_[p], point_[q], point_[g[0]], point_[g[1]], point_[g[2]])) return known = 1;
+    known = line_pierces(point_[p], point_[q], point_[g[0]], point_[g[1]], point_[g[2]]);
   }
-  return known = 0;
+  return known != 0;
 }
 
 bool Polyhedron::face_leaves(const Face& f) {
