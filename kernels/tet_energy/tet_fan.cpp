@@ -40,9 +40,7 @@ OVERTET_INLINE void times(const Four3& p, const Four& s, Four3& out) {
 OVERTET_INLINE void cross(const Four3& p, const Four3& q, Four3& out) {
   out.x = p.y * q.z - p.z * q.y, out.y = p.z * q.x - p.x * q.z, out.z = p.x * q.y - p.y * q.x;
 }
-OVERTET_INLINE void dot(const Four3& p, const Four3& q, Four& out) {
-  out = p.x * q.x + (p.y * q.y + p.z * q.z);
-}
+OVERTET_INLINE void dot(const Four3& p, const Four3& q, Four& out) { out = p.x * q.x + (p.y * q.y + p.z * q.z); }
 OVERTET_INLINE void less(Four& least, const Four& x) { least = x < least ? x : least; }
 OVERTET_INLINE void more(Four& most, const Four& x) { most = x > most ? x : most; }
 OVERTET_INLINE void magnitude(const Four& x, Four& out) { out = x < 0 ? -x : x; }
@@ -123,8 +121,8 @@ OVERTET_INLINE void all_sines(const Block& f, const Vector3d& x, SixSines& out) 
     for (std::size_t k = 0; k < kLanes; ++k) s[k] = at.det[k] * std::sqrt(s[k]);
   Four3 g;
   minus(gv, gc, out.log_gradient[0]), minus(gv, ga, out.log_gradient[1]), minus(gv, gb, out.log_gradient[2]);
-  const auto at_apex = [&](const Four3& edge, const Four& square, const Four3& g1, const Four3& g2, Four3& to)
-      __attribute__((always_inline)) {
+  const auto at_apex = [&](const Four3& edge, const Four& square, const Four3& g1, const Four3& g2,
+                           Four3& to) __attribute__((always_inline)) {
     times(edge, 1 / square, g), plus(gv, g, g), minus(g, g1, g), minus(g, g2, to);
   };
   at_apex(at.ad, at.ad2, gb, gc, out.log_gradient[3]);
@@ -165,9 +163,7 @@ void all_sines_here(const Block& f, const Vector3d& x, SixSines& out) {
 }
 #endif
 
-void set(Four3& to, std::size_t lane, const Vector3d& p) {
-  to.x[lane] = p[0], to.y[lane] = p[1], to.z[lane] = p[2];
-}
+void set(Four3& to, std::size_t lane, const Vector3d& p) { to.x[lane] = p[0], to.y[lane] = p[1], to.z[lane] = p[2]; }
 
 }  // namespace
 
@@ -189,9 +185,7 @@ void TetFan::add(const Vector3d& a, const Vector3d& b, const Vector3d& c, double
     blocks_.emplace_back();
   }
   lanes_.push_back({a, b, c, weight});
-  const Vector3d ab = b - a, ac = c - a, bc = c - b,
-                 nd = Vector3d(ab[1] * ac[2] - ab[2] * ac[1], ab[2] * ac[0] - ab[0] * ac[2],
-                               ab[0] * ac[1] - ab[1] * ac[0]);
+  const Vector3d ab = b - a, ac = c - a, bc = c - b, nd = Vector3d(ab[1] * ac[2] - ab[2] * ac[1], ab[2] * ac[0] - ab[0] * ac[2], ab[0] * ac[1] - ab[1] * ac[0]);
   const double size = ab.cwiseAbs().maxCoeff() * ac.cwiseAbs().maxCoeff();
   Block& f = blocks_.back();
   // The lanes that are still to come repeat this one.

@@ -1,5 +1,5 @@
-// Tets with a common apex, and how good they are for many places of it: four tets at a time, with AVX2 where
-// the processor has it. The numbers are those of min_dihedral_sine(), to the last bit, with or without.
+// Tets with a common apex, and how good they are for many places of it: four tets at a time, with AVX2 where the
+// processor has it. The numbers are those of min_dihedral_sine(), to the last bit, with or without.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,11 +20,11 @@ class TetFan {
   void add(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c, double weight = 1);
   // What add() was called for, in order, with the apex at x: the factor times min_dihedral_sine().
   const std::vector<double>& qualities_at(const Eigen::Vector3d& x);
-  // The least of them; some value <= stop where it is not above stop. Where one tet fell short, it is looked
-  // at sooner the next time.
+  // The least of them; some value <= stop where it is not above stop. Where one tet fell short, it is looked at
+  // sooner the next time.
   double worst_at(const Eigen::Vector3d& x, double stop);
-  // The sines (times their factors) within `factor` of the least one, and the gradients of their logarithms
-  // with respect to the apex; see dihedral_sines().
+  // The sines (times their factors) within `factor` of the least one, and the gradients of their logarithms with
+  // respect to the apex; see dihedral_sines().
   struct Sine {
     double sine;
     Eigen::Vector3d log_gradient;

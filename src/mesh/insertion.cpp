@@ -254,8 +254,7 @@ bool in_smallest_sphere(const Vector3d& a, const Vector3d& b, const Vector3d& c,
 }
 
 // x is on the inner side of the face's plane, but nearer than the root of `square`.
-bool is_close_below(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& x,
-                    double square) {
+bool is_close_below(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& x, double square) {
   const Vector3d normal = (b - a).cross(c - a);
   const double height = normal.dot(x - a);  // times the length of the normal
   return height > 0 && height * height < square * normal.squaredNorm();
@@ -406,8 +405,7 @@ bool LocalOperations::insert_delaunay(Index t, Index at, const Vector3d& x, doub
         const Face f = inner_face(cavity_[i], k);
         // Faces between parts are not there to stay, and may be very long.
         if (shared(f[0]) && shared(f[1]) && shared(f[2])) {
-          if (is_close_below(mesh_.position(f[0]), mesh_.position(f[1]), mesh_.position(f[2]), x,
-                             kCutRoom * room))
+          if (is_close_below(mesh_.position(f[0]), mesh_.position(f[1]), mesh_.position(f[2]), x, kCutRoom * room))
             return false;
           continue;
         }

@@ -107,13 +107,13 @@ class LocalOperations {
   // The same with v, where it has moved to `to`, without the face `no_face` (of v).
   bool rebuild_star(Index v, const std::array<Index, 3>& no_face, const Eigen::Vector3d& to,
                     double enough = 1e9);
-  // Delaunay refinement (Shewchuk 1998): a new vertex at the centre of t's circumsphere, or on the way there
-  // from t's shortest edge, where it makes a triangle with that edge whose circumradius over the edge is
-  // radius_edge (off-centres, Uengoer 2004: vertices come in layers from the boundary inwards, and far fewer
-  // tets are taken apart), instead of the tets around it whose circumspheres contain it. False where the
-  // boundary is in the way, where the vertex lies in a boundary face's smallest sphere or nearer to another
-  // one than t's shortest edge is long, and where t would stay. No criterion of quality: what it bounds is
-  // the circumradius over the shortest edge. pre: radius_edge > 1/2.
+  // Delaunay refinement (Shewchuk 1998): a new vertex at the centre of t's circumsphere, or on the way there from
+  // t's shortest edge, where it makes a triangle with that edge whose circumradius over the edge is radius_edge
+  // (off-centres, Uengoer 2004: vertices come in layers from the boundary inwards, and far fewer tets are taken
+  // apart), instead of the tets around it whose circumspheres contain it. False where the boundary is in the
+  // way, where the vertex lies in a boundary face's smallest sphere or nearer to another one than t's shortest
+  // edge is long, and where t would stay. No criterion of quality: what it bounds is the circumradius over the
+  // shortest edge. pre: radius_edge > 1/2.
   bool insert_circumcentre(Index t, double radius_edge);
   // The same where t is too large: a vertex at the centre, or in the middle of the edge that is too long for
   // it, with the tets around chosen like this or, last, by splitting the edge alone: where that makes no

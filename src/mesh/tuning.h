@@ -23,8 +23,8 @@ constexpr int kMostGrowth = 10;
 // Of the square of the shortest edge of the tet that is refined: so far from a face between two parts of the
 // mesh a new vertex stays. Nearer ones make flat tets there.
 constexpr double kCutRoom = 0.25;
-// Tets. Where a Delaunay cavity is larger, something is wrong with the walk to it: the first vertices inside
-// a thick solid of ten million faces replace some 100,000.
+// Tets. Where a Delaunay cavity is larger, something is wrong with the walk to it: the first vertices inside a
+// thick solid of ten million faces replace some 100,000.
 constexpr std::size_t kLargestDelaunayCavity = 500'000;
 // Tets. A walk towards a point may go round in circles where tets are not Delaunay.
 constexpr int kLongestWalk = 100;
