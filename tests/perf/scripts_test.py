@@ -207,7 +207,7 @@ class Scripts(unittest.TestCase):
             self.assertEqual(judged["tets"], quality["tets"])
             self.assertEqual(judged["turned"], 0)
             self.assertAlmostEqual(judged["least"], quality["dihedral_min"], 9)
-            self.assertAlmostEqual(judged["percent"], quality["dihedral_p01"], 1)
+            self.assertAlmostEqual(judged["percent"], quality["dihedral_p01"], delta=.3)  # the next of few angles
             self.assertAlmostEqual(judged["volume"] / quality["volume"], 1, 12)
 
     def test_the_program_starts_without_what_few_runs_need(self):
