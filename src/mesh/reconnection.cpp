@@ -179,32 +179,48 @@ bool LocalOperations::reconnect(Index t, double gain) {
   }
   // What lies around it, as long as the points are few enough: first the neighbours that bring no new ones,
   // and of these the worst. The last cavity that was a ball.
-  cavity_ = {t};
-  std::vector<Index> points(corners.begin(), corners.end());
-  std::size_t good = 0;
+  struct Candidate {
+    Index t;
+    int fresh;  // corners that the cavity does not have
+  };
+  static thread_local std::vector<Candidate> beside;  // of the cavity, in the order in which it met them
+  beside.clear();
+  cavity_.clear();
+  std::vector<Index> points;
   const auto has_point = [&](Index v) { return std::find(points.begin(), points.end(), v) != points.end(); };
-  while (cavity_.size() < kMostTetsFilled) {
-    Index next = -1;
-    std::pair<int, double> least;
-    for (const Index c : cavity_)
-      for (int k = 0; k < 4; ++k) {
-        const Index u = mesh_.neighbour(c, k);
-        if (u < 0 || std::find(cavity_.begin(), cavity_.end(), u) != cavity_.end()) continue;
-        int fresh = 0;
-        for (const Index v : mesh_.tet(u)) fresh += !has_point(v);
-        const std::pair<int, double> score{fresh, quality_[u]};
-        if (next >= 0 && !(score < least)) continue;
-        least = score;
-        next = u;
-      }
-    if (next < 0 || points.size() + least.first > kMostPoints) break;
+  const auto take = [&](Index next) {
     cavity_.push_back(next);
-    for (const Index v : mesh_.tet(next))
-      if (!has_point(v)) points.push_back(v);
-    if (hull_of(cavity_, hull_)) good = cavity_.size();
+    for (const Index v : mesh_.tet(next)) {
+      if (has_point(v)) continue;
+      points.push_back(v);
+      for (Candidate& c : beside) {
+        const auto& corner = mesh_.tet(c.t);
+        c.fresh -= std::find(corner.begin(), corner.end(), v) != corner.end();
+      }
+    }
+    for (int k = 0; k < 4; ++k) {
+      const Index u = mesh_.neighbour(next, k);
+      const auto is_it = [u](const Candidate& c) { return c.t == u; };
+      if (u < 0 || std::find(cavity_.begin(), cavity_.end(), u) != cavity_.end() ||
+          std::any_of(beside.begin(), beside.end(), is_it))
+        continue;
+      const auto& corner = mesh_.tet(u);
+      beside.push_back({u, static_cast<int>(4 - std::count_if(corner.begin(), corner.end(), has_point))});
+    }
+  };
+  take(t);
+  while (cavity_.size() < kMostTetsFilled && !beside.empty()) {
+    const auto next =
+        std::min_element(beside.begin(), beside.end(), [&](const Candidate& x, const Candidate& y) {
+          return x.fresh != y.fresh ? x.fresh < y.fresh : quality_[x.t] < quality_[y.t];
+        });
+    if (points.size() + static_cast<std::size_t>(next->fresh) > kMostPoints) break;
+    const Index best = next->t;
+    beside.erase(next);
+    take(best);
   }
-  cavity_.resize(good);
-  return good > 1 && refill(cavity_, how);
+  while (cavity_.size() > 1 && !hull_of(cavity_, hull_)) cavity_.pop_back();
+  return cavity_.size() > 1 && refill(cavity_, how);
 }
 
 }  // namespace overtet

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "kernels/core/tuning.h"
 #include "kernels/tet_energy/tet_quality.h"
 #include "src/mesh/local_operations.h"
 #include "src/mesh/tuning.h"
@@ -39,8 +40,10 @@ Vector3d nearest_to_origin(const Vector3d* g, int n) {
       for (int k = j + 1; k < n; ++k) {
         const Vector3d e = g[j] - g[i], f = g[k] - g[i], normal = e.cross(f);
         const double nn = normal.squaredNorm();
-        if (nn == 0) continue;
-        const Vector3d p = normal * (g[i].dot(normal) / nn), q = p - g[i];
+        const double height = g[i].dot(normal);
+        // Most planes are farther away than what is known; the squared distance has few roundings.
+        if (nn == 0 || height * height > norm * nn * (1 + kRounding)) continue;
+        const Vector3d p = normal * (height / nn), q = p - g[i];
         const double u = q.cross(f).dot(normal), w = e.cross(q).dot(normal);
         if (u > 0 && w > 0 && u + w < nn) take(p);
       }
