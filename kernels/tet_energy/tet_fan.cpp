@@ -13,7 +13,6 @@ using Eigen::Vector3d;
 
 namespace tet_fan_detail {
 
-constexpr std::size_t kLanes = 4;
 // GCC makes of it what the target of the function has: one register of AVX, or two of SSE2.
 // Aligned as doubles are: so much any allocator promises.
 using Four = double __attribute__((vector_size(sizeof(double) * kLanes), aligned(alignof(double))));
@@ -54,7 +53,8 @@ using namespace tet_fan_detail;
 // Four tets without what depends on the apex.
 struct TetFan::Block {
   Four3 a, b, c, ab, ac, bc, nd;
-  Four ab2, ac2, bc2, qd, size, weight;
+  Four square[3];  // of ab, ac, bc
+  Four qd, size, weight;
 };
 
 namespace {
@@ -62,7 +62,8 @@ namespace {
 // What depends on the apex.
 struct AtApex {
   Four3 ad, bd, cd, na, nb, nc;  // edges and normals
-  Four det, qa, qb, qc, ad2, bd2, cd2;
+  Four det, qa, qb, qc;
+  Four square[3];  // of ad, bd, cd
 };
 
 template <class Block>
@@ -71,7 +72,7 @@ OVERTET_INLINE void look_from(const Block& f, const Vector3d& x, AtApex& at) {
   cross(at.ad, f.ab, at.nc), cross(f.ac, at.ad, at.nb), cross(at.bd, f.bc, at.na);
   dot(f.nd, at.ad, at.det);
   dot(at.na, at.na, at.qa), dot(at.nb, at.nb, at.qb), dot(at.nc, at.nc, at.qc);
-  dot(at.ad, at.ad, at.ad2), dot(at.bd, at.bd, at.bd2), dot(at.cd, at.cd, at.cd2);
+  dot(at.ad, at.ad, at.square[0]), dot(at.bd, at.bd, at.square[1]), dot(at.cd, at.cd, at.square[2]);
 }
 
 // The least sines of four tets; 0 where rounding might have changed a sign. See min_dihedral_sine().
@@ -84,12 +85,12 @@ OVERTET_INLINE void least_sines(const Block& f, const Vector3d& x, double* out) 
   magnitude(at.ad.y, other), more(far, other);
   magnitude(at.ad.z, other), more(far, other);
   const Four size = f.size * far;
-  Four least = f.ab2 / (at.qc * f.qd);
-  less(least, f.ac2 / (at.qb * f.qd));
-  less(least, f.bc2 / (at.qa * f.qd));
-  less(least, at.ad2 / (at.qb * at.qc));
-  less(least, at.bd2 / (at.qa * at.qc));
-  less(least, at.cd2 / (at.qa * at.qb));
+  Four least = f.square[0] / (at.qc * f.qd);
+  less(least, f.square[1] / (at.qb * f.qd));
+  less(least, f.square[2] / (at.qa * f.qd));
+  less(least, at.square[0] / (at.qb * at.qc));
+  less(least, at.square[1] / (at.qa * at.qc));
+  less(least, at.square[2] / (at.qa * at.qb));
   for (std::size_t k = 0; k < kLanes; ++k) {
     const bool sure = at.det[k] > 1e-14 * size[k] && size[k] > 1e-250;
     const double sine = at.det[k] * std::sqrt(least[k]);
@@ -109,7 +110,7 @@ OVERTET_INLINE void all_sines(const Block& f, const Vector3d& x, SixSines& out) 
   look_from(f, x, at);
   // A volume lost in rounding still has a direction in which it grows.
   for (std::size_t k = 0; k < kLanes; ++k)
-    at.det[k] = std::max(at.det[k], 1e-17 * std::sqrt(f.qd[k] * at.ad2[k]));
+    at.det[k] = std::max(at.det[k], 1e-17 * std::sqrt(f.qd[k] * at.square[0][k]));
   const Four ia = 1 / at.qa, ib = 1 / at.qb, ic = 1 / at.qc, id = 1 / f.qd, iv = 1 / at.det;
   // Of the logarithm of the volume, and of the lengths of the normals.
   Four3 gv, ga, gb, gc;
@@ -117,8 +118,10 @@ OVERTET_INLINE void all_sines(const Block& f, const Vector3d& x, SixSines& out) 
   cross(f.bc, at.na, ga), times(ga, ia, ga);
   cross(at.nb, f.ac, gb), times(gb, ib, gb);
   cross(f.ab, at.nc, gc), times(gc, ic, gc);
-  out.sine[0] = f.ab2 * (ic * id), out.sine[1] = f.bc2 * (ia * id), out.sine[2] = f.ac2 * (ib * id);
-  out.sine[3] = at.ad2 * (ib * ic), out.sine[4] = at.bd2 * (ia * ic), out.sine[5] = at.cd2 * (ia * ib);
+  out.sine[0] = f.square[0] * (ic * id), out.sine[1] = f.square[2] * (ia * id),
+  out.sine[2] = f.square[1] * (ib * id);
+  out.sine[3] = at.square[0] * (ib * ic), out.sine[4] = at.square[1] * (ia * ic),
+  out.sine[5] = at.square[2] * (ia * ib);
   for (Four& s : out.sine)
     for (std::size_t k = 0; k < kLanes; ++k) s[k] = at.det[k] * std::sqrt(s[k]);
   Four3 g;
@@ -127,9 +130,9 @@ OVERTET_INLINE void all_sines(const Block& f, const Vector3d& x, SixSines& out) 
       __attribute__((always_inline)) {
     times(edge, 1 / square, g), plus(gv, g, g), minus(g, g1, g), minus(g, g2, to);
   };
-  at_apex(at.ad, at.ad2, gb, gc, out.log_gradient[3]);
-  at_apex(at.bd, at.bd2, ga, gc, out.log_gradient[4]);
-  at_apex(at.cd, at.cd2, ga, gb, out.log_gradient[5]);
+  at_apex(at.ad, at.square[0], gb, gc, out.log_gradient[3]);
+  at_apex(at.bd, at.square[1], ga, gc, out.log_gradient[4]);
+  at_apex(at.cd, at.square[2], ga, gb, out.log_gradient[5]);
 }
 
 // The same for this processor.
@@ -198,7 +201,7 @@ void TetFan::add(const Vector3d& a, const Vector3d& b, const Vector3d& c, double
   for (std::size_t k = lane; k < kLanes; ++k) {
     set(f.a, k, a), set(f.b, k, b), set(f.c, k, c);
     set(f.ab, k, ab), set(f.ac, k, ac), set(f.bc, k, bc), set(f.nd, k, nd);
-    f.ab2[k] = ab.squaredNorm(), f.ac2[k] = ac.squaredNorm(), f.bc2[k] = bc.squaredNorm();
+    f.square[0][k] = ab.squaredNorm(), f.square[1][k] = ac.squaredNorm(), f.square[2][k] = bc.squaredNorm();
     f.qd[k] = nd.squaredNorm();
     f.size[k] = size;
     f.weight[k] = weight;

@@ -1,7 +1,10 @@
 #include "src/improve/set_apart.h"
 
 #include <algorithm>
+#include <atomic>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -19,32 +22,49 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Of the edges at each vertex, each as often as it has tets.
-std::vector<double> mean_edges(const TetMesh& mesh) {
-  std::vector<double> sum(static_cast<std::size_t>(mesh.V.rows()), 0);
-  std::vector<Index> count(sum.size(), 0);
-  for (Index t = 0; t < mesh.T.rows(); ++t)
-    for (const auto& [i, j] : kTetEdge) {
-      const Index v = mesh.T(t, i), w = mesh.T(t, j);
-      const double length = (mesh.V.row(v) - mesh.V.row(w)).norm();
-      sum[v] += length, sum[w] += length;
-      ++count[v], ++count[w];
+// The longest edge at each vertex.
+std::vector<double> longest_edges(const TetMesh& mesh) {
+  // Lengths are not negative: their order is that of their bits.
+  std::vector<std::uint64_t> bits(static_cast<std::size_t>(mesh.V.rows()), 0);
+  const auto raise = [&](Index v, std::uint64_t to) {
+    const std::atomic_ref all(bits[v]);
+    for (std::uint64_t known = all.load(std::memory_order_relaxed);
+         known < to && !all.compare_exchange_weak(known, to, std::memory_order_relaxed);) {
     }
-  for (std::size_t v = 0; v < sum.size(); ++v)
-    if (count[v] > 0) sum[v] /= count[v];
-  return sum;
+  };
+  parallel_for(mesh.T.rows(), kLightGrain, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t t = begin; t < end; ++t)
+      for (const auto& [i, j] : kTetEdge) {
+        const Index v = mesh.T(t, i), w = mesh.T(t, j);
+        const auto length = std::bit_cast<std::uint64_t>((mesh.V.row(v) - mesh.V.row(w)).norm());
+        raise(v, length), raise(w, length);
+      }
+  });
+  std::vector<double> longest(bits.size());
+  for (std::size_t v = 0; v < bits.size(); ++v) longest[v] = std::bit_cast<double>(bits[v]);
+  return longest;
 }
 
-// Vertices inside that are too near to one of the surface or to one with a smaller number, ascending.
-std::vector<Index> too_near(const TetMesh& mesh, const NearPoints& points,
-                            const std::vector<double>& mean_edge) {
+// Of the edges at a vertex, each as often as it has tets.
+double mean_edge(const TetMesh& mesh, Index v, const std::vector<Index>& star) {
+  double sum = 0;
+  Index count = 0;
+  for (const Index t : star)
+    for (int k = 0; k < 4; ++k)
+      if (const Index w = mesh.T(t, k); w != v) sum += (mesh.V.row(v) - mesh.V.row(w)).norm(), ++count;
+  return count > 0 ? sum / count : 0;
+}
+
+// Vertices inside that may be too near to one of the surface or to one with a smaller number, ascending.
+std::vector<Index> perhaps_too_near(const TetMesh& mesh, const NearPoints& points,
+                                    const std::vector<double>& longest_edge) {
   const Index inside = static_cast<Index>(mesh.V.rows()) - mesh.surface_vertices;
   return parallel_collect<Index>(inside, kMediumGrain,
                                  [&](std::int64_t begin, std::int64_t end, std::vector<Index>& out) {
                                    std::vector<Index> found;
                                    for (std::int64_t i = begin; i < end; ++i) {
                                      const Index v = mesh.surface_vertices + static_cast<Index>(i);
-                                     points.within(mesh.V.row(v), kApart * mean_edge[v], found);
+                                     points.within(mesh.V.row(v), kApart * longest_edge[v], found);
                                      if (!found.empty() && found.front() < v) out.push_back(v);
                                    }
                                  });
@@ -142,18 +162,22 @@ void count_forced(const TetMesh& mesh, SetApartResult& result) {
 SetApartResult set_apart(TetMesh& mesh, const RunContext& context) {
   SetApartResult result;
   count_forced(mesh, result);
-  const std::vector<double> mean_edge = mean_edges(mesh);
+  const std::vector<double> longest = longest_edges(mesh);
   std::vector<char> has_moved(static_cast<std::size_t>(mesh.V.rows()), 0);
   // A second round where one has stepped near another one that has.
   for (int round = 0; round < kInVain && !context.stop(); ++round) {
     const NearPoints points(mesh.V);
-    const std::vector<Index> movers = too_near(mesh, points, mean_edge);
+    const std::vector<Index> movers = perhaps_too_near(mesh, points, longest);
     const std::vector<std::vector<Index>> stars = stars_of(mesh, movers);
+    std::vector<Index> near;
     result.stuck = 0;
     bool any = false;
     for (std::size_t i = 0; i < movers.size(); ++i) {
       const Index v = movers[i];
-      if (!Step(mesh, points, v, mean_edge[v], stars[i]).take()) {
+      const double mean = mean_edge(mesh, v, stars[i]);
+      points.within(mesh.V.row(v), kApart * mean, near);
+      if (near.empty() || near.front() >= v) continue;
+      if (!Step(mesh, points, v, mean, stars[i]).take()) {
         ++result.stuck;
         continue;
       }

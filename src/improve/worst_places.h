@@ -1,8 +1,9 @@
 // The last means, for the very worst tets: what lies around one is copied, changed in a way that may make it
 // worse (a vertex more or less, an edge less), mended by all operations that there are, and put back where
 // that has made the worst tets better. So a mesh gets out of states that no single operation improves. Where
-// one change does not help, walks of several chosen at random do (always the same ones). All this is done in
-// two ways, of which the better end is kept.
+// one change does not help, walks of several chosen at random do (always the same ones). All this is done
+// with few tets around the worst one, or else with more. The places of many bad tets are taken out of the
+// mesh at once, and put back at once: a place costs what lies around it, not a look at the whole mesh.
 #pragma once
 
 #include "overtet/run_context.h"

@@ -407,7 +407,7 @@ bool LocalOperations::insert_delaunay(Index t, Index at, const Vector3d& x, doub
         // Faces between parts are not there to stay, and may be very long.
         if (shared(f[0]) && shared(f[1]) && shared(f[2])) {
           if (is_close_below(mesh_.position(f[0]), mesh_.position(f[1]), mesh_.position(f[2]), x,
-                             kCutRoom * room))
+                             kEncroaching * room))
             return false;
           continue;
         }

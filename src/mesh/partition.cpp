@@ -154,11 +154,11 @@ MeshPart make_part(std::span<const Index> tets, Index vertices, Corners&& corner
 // The tets of each part, ascending.
 std::vector<std::vector<Index>> tets_of_parts(std::span<const int> part_of, int parts) {
   const auto tets = static_cast<std::int64_t>(part_of.size());
-  constexpr std::int64_t kBlock = 16 * kLightGrain;
+  constexpr std::int64_t block = 16 * kLightGrain;
   // Of each block, how many tets each part has in it; then, where its first one goes.
-  std::vector<std::vector<std::int64_t>> at(static_cast<std::size_t>((tets + kBlock - 1) / kBlock));
-  parallel_for(tets, kBlock, [&](std::int64_t begin, std::int64_t end) {
-    std::vector<std::int64_t>& count = at[begin / kBlock];
+  std::vector<std::vector<std::int64_t>> at(static_cast<std::size_t>((tets + block - 1) / block));
+  parallel_for(tets, block, [&](std::int64_t begin, std::int64_t end) {
+    std::vector<std::int64_t>& count = at[begin / block];
     count.assign(parts, 0);
     for (std::int64_t t = begin; t < end; ++t)
       if (part_of[t] >= 0) ++count[part_of[t]];
@@ -169,8 +169,8 @@ std::vector<std::vector<Index>> tets_of_parts(std::span<const int> part_of, int 
     for (auto& count : at) sum += std::exchange(count[p], sum);
     out[p].resize(static_cast<std::size_t>(sum));
   });
-  parallel_for(tets, kBlock, [&](std::int64_t begin, std::int64_t end) {
-    std::vector<std::int64_t>& next = at[begin / kBlock];
+  parallel_for(tets, block, [&](std::int64_t begin, std::int64_t end) {
+    std::vector<std::int64_t>& next = at[begin / block];
     for (std::int64_t t = begin; t < end; ++t)
       if (part_of[t] >= 0) out[part_of[t]][next[part_of[t]]++] = static_cast<Index>(t);
   });
@@ -490,8 +490,7 @@ std::vector<Index> put_parts(TetMesh& mesh, std::span<const int> part_of,
   Index vertices = 0;
   for (Index v = 0; v < old_vertices; ++v)
     if (used[v]) moved[v] = vertices++;
-  std::vector<Index> first_vertex;
-  std::vector<std::int64_t> first_row;
+  std::vector<std::int64_t> first_row, first_vertex;
   std::int64_t tets = others;
   for (std::int64_t p = 0; p < count; ++p) {
     first_vertex.push_back(vertices);
@@ -499,9 +498,9 @@ std::vector<Index> put_parts(TetMesh& mesh, std::span<const int> part_of,
     vertices += new_vertices[p];
     tets += parts[p].complex.tet_count();
   }
+  count_copied(vertices, tets);
   VertexMatrix V(vertices, 3);
   TetMatrix T(tets, 4);
-  count_copied(vertices, tets);
   parallel_for(old_vertices, kLightGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t v = begin; v < end; ++v)
       if (moved[v] >= 0) V.row(moved[v]) = mesh.V.row(v);
@@ -516,7 +515,7 @@ std::vector<Index> put_parts(TetMesh& mesh, std::span<const int> part_of,
     const Index own = static_cast<Index>(part.vertex.size());
     std::vector<char> shared(c.vertex_count(), 0);  // several parts have them: below
     for (const Index v : part.shared) shared[v] = 1;
-    Index next = first_vertex[p];
+    auto next = static_cast<Index>(first_vertex[p]);
     for (Index v = 0; v < c.vertex_count(); ++v) {
       Index& to = number[p][v];
       if (to < 0) continue;

@@ -20,16 +20,14 @@ constexpr std::size_t kLargestCavity = 20;
 constexpr std::size_t kLargestTradeCavity = 24;
 // Steps in which a cavity grows; more seldom lead to a place.
 constexpr int kMostGrowth = 10;
-// Of the square of the shortest edge of the tet that is refined: so far from a face between two parts of the
-// mesh a new vertex stays. Nearer ones make flat tets there.
-constexpr double kCutRoom = 0.25;
 // Tets. Where a Delaunay cavity is larger, something is wrong with the walk to it: the first vertices inside
 // a thick solid of ten million faces replace some 100,000.
 constexpr std::size_t kLargestDelaunayCavity = 500'000;
 // Tets. A walk towards a point may go round in circles where tets are not Delaunay.
 constexpr int kLongestWalk = 100;
 // Of the square of the radius of the smallest sphere through a boundary face: nearer vertices are not
-// inserted. (All of it leaves too few vertices near the boundary.)
+// inserted. (All of it leaves too few vertices near the boundary.) Also of the square of the shortest edge of
+// the tet that is refined: so far from a face between two parts of the mesh a vertex stays.
 constexpr double kEncroaching = 0.5;
 
 // Sizes: how much longer edges may become with the distance from where they are to be short; and how much

@@ -9,6 +9,7 @@
 
 #include "kernels/core/box.h"
 #include "kernels/parallel/parallel.h"
+#include "src/improve/tuning.h"
 #include "src/opening/angle_bounds.h"
 #include "src/opening/opening.h"
 #include "src/pipeline/mesh_or_repair.h"
@@ -109,6 +110,14 @@ PipelineResult run_pipeline(const Surface& surface, const MeshingOptions& option
     fail({ErrorCode::usage, "There are " + std::to_string(given) + " sizes for " +
                                 std::to_string(surface.V.rows()) +
                                 " vertices of the surface; give one for each, in their order."},
+         result);
+    return result;
+  }
+  // Tets and what is at their corners are numbered with 32 bits, and meshes have some three tets a face.
+  if (const auto most = static_cast<Eigen::Index>(kMostTets / 4); surface.F.rows() > most) {
+    fail({ErrorCode::limit, "The surface has " + std::to_string(surface.F.rows()) + " faces; at most " +
+                                std::to_string(most) +
+                                " can be meshed at once. Mesh it in parts, or decimate it."},
          result);
     return result;
   }

@@ -1,4 +1,5 @@
-// How the work of the passes over a tet mesh grows with its size, in counts: nothing may cost (whole mesh) x (places).
+// How the work of the passes over a tet mesh grows with its size, in counts: nothing may cost (whole mesh) x
+// (places).
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
@@ -36,7 +37,8 @@ Work work_of(TetMesh& mesh, const std::function<void(TetMesh&)>& pass) {
   return w;
 }
 
-// A ring of `times` as many tets, with as many times as many bad places: each side of the ring is like any other.
+// A ring of `times` as many tets, with as many times as many bad places: each side of the ring is like any
+// other.
 TetMesh ring(int times) {
   const Surface s = test::torus_surface(40 * times, 16, 2.0 * times, .7);
   Plc plc;

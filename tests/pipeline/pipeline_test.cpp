@@ -58,6 +58,14 @@ std::set<std::string> stages(const PipelineResult& r) {
   return names;
 }
 
+TEST(Pipeline, SaysThatASurfaceHasMoreFacesThanCanBeNumbered) {
+  Surface s;
+  s.F.resize(100'000'001, 3);  // never read, so that it takes no memory
+  const PipelineResult r = run_pipeline(s, {}, {});
+  EXPECT_EQ(r.report.status, RunStatus::limit);
+  EXPECT_NE(std::string::npos, r.report.message.find("100000001 faces")) << r.report.message;
+}
+
 TEST(Pipeline, MeshesWhatDoesNotCrossItself) {
   for (const Surface& s : {test::sphere(1), test::torus(), test::slab(2), test::box(3), test::capsule(),
                            test::joined(test::sphere(1), test::sphere(1, 0.5, Eigen::Vector3d(3, 0, 0)))}) {

@@ -26,8 +26,8 @@ struct RandomFan {
     const auto point = [&] { return Vector3d(scale * Vector3d(number(), number(), number())); };
     for (int n = 1 + static_cast<int>(random() % 40); n > 0; --n) {
       Base f{point(), point(), point(), random() % 3 == 0 ? 1.5 : 1};
-      if (random() % 5 == 0) f.c[2] = f.b[2] = f.a[2];           // in one plane with some places of the apex
-      if (random() % 7 == 0) f.c = f.a + 1e-12 * (f.b - f.a);    // a needle
+      if (random() % 5 == 0) f.c[2] = f.b[2] = f.a[2];         // in one plane with some places of the apex
+      if (random() % 7 == 0) f.c = f.a + 1e-12 * (f.b - f.a);  // a needle
       bases.push_back(f);
     }
     apex = point();
@@ -53,7 +53,8 @@ TEST(TetFan, QualitiesAreThoseOfSingleTets) {
     }
     const std::vector<double> got = four.qualities_at(fan.apex);
     ASSERT_EQ(want.size(), got.size());
-    for (std::size_t i = 0; i < want.size(); ++i) EXPECT_EQ(want[i], got[i]) << std::hexfloat << want[i] << " " << got[i];
+    for (std::size_t i = 0; i < want.size(); ++i)
+      EXPECT_EQ(want[i], got[i]) << std::hexfloat << want[i] << " " << got[i];
     const double worst = *std::min_element(want.begin(), want.end());
     EXPECT_EQ(worst, four.worst_at(fan.apex, -1));
     EXPECT_EQ(worst, four.worst_at(fan.apex, -1));  // in another order
@@ -93,7 +94,8 @@ TEST(TetFan, SinesAndGradientsAreThoseOfSingleTets) {
         if (f.weight * one.sine[e] > 3 * worst) continue;
         ASSERT_LT(at, got.size());
         EXPECT_NEAR(f.weight * one.sine[e], got[at].sine, 1e-12);
-        EXPECT_LT((one.log_gradient[e] - got[at].log_gradient).norm(), 1e-9 * (1 + one.log_gradient[e].norm()));
+        EXPECT_LT((one.log_gradient[e] - got[at].log_gradient).norm(),
+                  1e-9 * (1 + one.log_gradient[e].norm()));
         ++at, ++compared;
       }
     }
