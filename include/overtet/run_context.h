@@ -29,6 +29,9 @@ struct RunContext {
   Clock::time_point deadline = Clock::time_point::max();  // wall-clock
   std::size_t memory_limit_bytes = 0;                     // of the whole process tree; 0: none
   int threads = 0;                                        // 0: all cores; results do not depend on it
+  // Where whoever watches the run keeps the most memory that was in use since a stage began. Null: nobody
+  // does.
+  std::atomic<std::size_t>* stage_peak_bytes = nullptr;
   // The program overtet-tetgen, which runs TetGen in a process of its own. Empty: beside the running program,
   // else where this installation has it.
   std::string tetgen_helper;

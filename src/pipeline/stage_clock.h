@@ -30,12 +30,16 @@ auto timed_stage(const char* name, std::vector<StageRecord>& records, const RunC
   const auto start = RunContext::Clock::now();
   const double cpu = cpu_seconds();
   const KernelCounts counts = KernelCounts::now();
+  if (context.stage_peak_bytes) *context.stage_peak_bytes = 0;
   StageRecord record;
   record.name = name;
   auto outcome = f(record);
   record.seconds = std::chrono::duration<double>(RunContext::Clock::now() - start).count();
   record.cpu_seconds = cpu_seconds() - cpu;
   KernelCounts::now().add_since(counts, record.figures);
+  // Stages that end before the first look at the memory have none.
+  if (context.stage_peak_bytes && *context.stage_peak_bytes > 0)
+    record.figures.emplace_back("peak_rss_bytes", static_cast<std::int64_t>(*context.stage_peak_bytes));
   if (!outcome.ok()) record.figures.emplace_back("error", outcome.error().message);
   tell(record, context);
   records.push_back(std::move(record));

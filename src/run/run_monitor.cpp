@@ -59,6 +59,7 @@ std::size_t tree_resident_bytes() {
 RunMonitor::RunMonitor(const RunContext& outer)
     : inner_(outer), outer_cancel_(outer.cancel), limit_(outer.memory_limit_bytes) {
   inner_.cancel = &stop_;
+  inner_.stage_peak_bytes = &stage_peak_;
   // Of runs that end before the first look the system knows the peak (peak_bytes()), and a look at all
   // processes is not free. But what is too much or unwanted already must not begin.
   if ((limit_ > 0 && peak_bytes() > limit_) || (outer_cancel_ && outer_cancel_->load())) look();
@@ -82,6 +83,8 @@ RunMonitor::~RunMonitor() {
 void RunMonitor::look() {
   const std::size_t now = tree_resident_bytes();
   if (now > peak_) peak_ = now;
+  // A stage that begins meanwhile sets it to 0; what is in use now counts for either.
+  if (now > stage_peak_) stage_peak_ = now;
   if (limit_ > 0 && now > limit_) {
     memory_exceeded_ = true;
     stop_ = true;

@@ -38,7 +38,7 @@ class RunMonitor {
   std::size_t limit_;
   std::atomic<bool> stop_{false};
   std::atomic<bool> memory_exceeded_{false};
-  std::atomic<std::size_t> peak_{0};
+  std::atomic<std::size_t> peak_{0}, stage_peak_{0};
   std::mutex mutex_;
   std::condition_variable wake_;
   bool ended_ = false;
