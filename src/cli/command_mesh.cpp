@@ -114,6 +114,13 @@ std::string time_by_stage(const Report& r) {
   return " (" + text + "the rest " + plain(std::max(0.0, rest), 1) + ")";
 }
 
+// A text file of millions of tets takes its reader longer than the mesh took.
+std::string what_reads_faster(const Meshing& m, TetFormat format) {
+  const std::int64_t many = 2'000'000;
+  if (m.mesh.T.rows() < many || format == TetFormat::vtu) return {};
+  return " As text, so many tets are slow to read: an output that ends in .vtu is binary.";
+}
+
 std::string what_was_made(const MeshCommand& c, const Meshing& m, const Report& report) {
   return c.output + ": " + std::to_string(m.mesh.V.rows()) + " vertices, " + std::to_string(m.mesh.T.rows()) +
          " tets, smallest dihedral angle " + plain(m.quality.dihedral_min, 2) + " degrees (" +
@@ -308,7 +315,9 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
   report.options = options;
   report.seconds = seconds();
   if (!made) report.status = status_of(made.error().code);
-  report.message = made ? what_was_made(command, made.value(), report) : with_hint(made.error());
+  report.message =
+      made ? what_was_made(command, made.value(), report) + what_reads_faster(made.value(), format.value())
+           : with_hint(made.error());
   if (!made) report.message += what_may_help(command, made.error());
   terminal.clear();
   if (report.status != RunStatus::interrupted) {
