@@ -305,6 +305,21 @@ CLI::App* add_convert(CLI::App& app, ConvertCommand& convert) {
   return command;
 }
 
+CLI::App* add_view(CLI::App& app, ViewCommand& view) {
+  CLI::App* command =
+      app.add_subcommand("view", "Write a page that shows a tet mesh or a surface in any browser");
+  command->add_option("FILE", view.input, "Tet mesh (.mesh, .msh, .vtu, .node, .inp, .vtk) or surface")
+      ->required();
+  command->add_option("--output,-o", view.output, "The page: one .html file that needs nothing else")
+      ->required();
+  command->add_flag("--open", view.open, "Open the page in the browser when it is written");
+  command->footer(
+      "What overlaps is seen with \"Pull layers apart\". Surfaces are drawn with the curves in which they "
+      "cross "
+      "themselves.");
+  return command;
+}
+
 CLI::App* add_batch(CLI::App& app, BatchCommand& batch, CommonOptions& common) {
   CLI::App* command = app.add_subcommand(
       "batch", "Mesh many surfaces, each in a process of its own, and keep a journal that can be resumed");
@@ -399,6 +414,7 @@ int parse_and_run(int argc, char** argv) {
   VerifyCommand verify;
   ConvertCommand convert;
   BatchCommand batch;
+  ViewCommand view;
   CLI::App* mesh_app = add_mesh(app, mesh);
   add_cleaning(*mesh_app, mesh.clean);
   CLI::App* inspect_app = add_inspect(app, inspect);
@@ -409,7 +425,9 @@ int parse_and_run(int argc, char** argv) {
   CLI::App* verify_app = add_verify(app, verify);
   verify_app->add_flag("--strict", verify.clean.strict, "Refuse a surface that needs a clean-up");
   CLI::App* convert_app = add_convert(app, convert);
-  for (CLI::App* command : {mesh_app, inspect_app, repair_app, prepare_app, verify_app, convert_app})
+  CLI::App* view_app = add_view(app, view);
+  for (CLI::App* command :
+       {mesh_app, inspect_app, repair_app, prepare_app, verify_app, convert_app, view_app})
     add_common(*command, common);
   CLI::App* batch_app = add_batch(app, batch, common);
 
@@ -446,6 +464,7 @@ int parse_and_run(int argc, char** argv) {
   }
   if (*convert_app) return run(convert, common, terminal);
   if (*batch_app) return run(batch, common, terminal);
+  if (*view_app) return run(view, common, terminal);
   return run(verify, common, terminal);
 }
 
