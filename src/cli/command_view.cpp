@@ -40,8 +40,8 @@ Status write_view(const ViewCommand& command, const RunContext& context, Termina
     curves = std::move(diagnosis.value().curves);
     options.curves = &*curves;
   }
-  return write_page(command.output, input.surface(), input.cleanup.problem ? SurfaceAttributes{} : input.attributes,
-                    options);
+  return write_page(command.output, input.surface(),
+                    input.cleanup.problem ? SurfaceAttributes{} : input.attributes, options);
 }
 
 // By the desktop's own means; false where there is none.
@@ -71,7 +71,8 @@ int run(const ViewCommand& command, const CommonOptions& common, Terminal& termi
   terminal.clear();
   terminal.say(command.output + ": open it in any browser.");
   if (command.open && !open_in_browser(command.output))
-    return fail(terminal, {ErrorCode::io, "Cannot open " + command.output + ": xdg-open did not work; open it by hand."});
+    return fail(terminal, {ErrorCode::io,
+                           "Cannot open " + command.output + ": xdg-open did not work; open it by hand."});
   return 0;
 }
 

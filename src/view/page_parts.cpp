@@ -1,8 +1,9 @@
 #include "src/view/page_parts.h"
 
 // The assembler takes the files as they are. A compiler would take a minute for half a megabyte of numbers.
-#define OVERTET_INCLUDE_FILE(name, file)                                                                     \
-  asm(".pushsection .rodata\n" #name "_begin:\n.incbin \"" file "\"\n" #name "_end:\n.byte 0\n.popsection\n"); \
+#define OVERTET_INCLUDE_FILE(name, file)                                     \
+  asm(".pushsection .rodata\n" #name "_begin:\n.incbin \"" file "\"\n" #name \
+      "_end:\n.byte 0\n.popsection\n");                                      \
   extern "C" const char name##_begin[], name##_end[]
 
 OVERTET_INCLUDE_FILE(overtet_page_script, OVERTET_PAGE "/bundle.js");

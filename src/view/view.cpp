@@ -47,9 +47,12 @@ class Page {
 std::string escaped(const std::string& text) {
   std::string out;
   for (const char c : text) {
-    if (c == '&') out += "&amp;";
-    else if (c == '<') out += "&lt;";
-    else out += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else
+      out += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
   }
   return out;
 }
@@ -58,8 +61,10 @@ std::string escaped(const std::string& text) {
 std::string in_script(const Json& json) {
   std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace), out;
   for (const char c : text) {
-    if (c == '<') out += "\\u003c";
-    else out += c;
+    if (c == '<')
+      out += "\\u003c";
+    else
+      out += c;
   }
   return out;
 }
@@ -82,8 +87,8 @@ Status check(const VertexMatrix& V, const Matrix& elements, const char* what) {
 
 Status check_size(std::size_t size, Eigen::Index wanted, const char* what) {
   if (size == 0 || static_cast<Eigen::Index>(size) == wanted) return success();
-  return wrong(std::string("there are ") + std::to_string(size) + " " + what + " for " + std::to_string(wanted) +
-               " elements");
+  return wrong(std::string("there are ") + std::to_string(size) + " " + what + " for " +
+               std::to_string(wanted) + " elements");
 }
 
 template <class Matrix>
@@ -111,7 +116,9 @@ struct Places {
 std::vector<float> lines_of(const Curves* curves, const Places& places) {
   std::vector<float> lines;
   if (!curves) return lines;
-  const auto add = [&](const CurveNode& n) { places.add({n.position[0], n.position[1], n.position[2]}, lines); };
+  const auto add = [&](const CurveNode& n) {
+    places.add({n.position[0], n.position[1], n.position[2]}, lines);
+  };
   for (const Curve& c : curves->curves)
     for (std::size_t i = 0; i < c.segments.size(); ++i) {
       add(c.nodes[i]);
@@ -123,8 +130,9 @@ std::vector<float> lines_of(const Curves* curves, const Places& places) {
 void begin(Page& page, const PageOptions& options, Json info, const Places& places) {
   info["title"] = options.title;
   info["middle"] = {places.middle[0], places.middle[1], places.middle[2]};
-  page.text("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
-            "content=\"width=device-width\"><link rel=\"icon\" href=\"data:,\"><title>")
+  page.text(
+          "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
+          "content=\"width=device-width\"><link rel=\"icon\" href=\"data:,\"><title>")
       .text(escaped(options.title))
       .text("</title>\n<style>\n")
       .text(page_style())
@@ -159,7 +167,8 @@ Status write_page(const std::string& path, const LabelledTetMesh& labelled, cons
   if (Status s = page.open(path); !s) return s;
   const Places places(mesh.V);
   begin(page, options,
-        {{"kind", "tets"}, {"label_names", names_of(a.labels)}, {"region_names", names_of(a.regions)}}, places);
+        {{"kind", "tets"}, {"label_names", names_of(a.labels)}, {"region_names", names_of(a.regions)}},
+        places);
   page.block("V", places.of(mesh.V))
       .block("T", flat(mesh.T))
       .block("F", flat(a.triangles))

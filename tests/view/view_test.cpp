@@ -26,7 +26,8 @@ TEST(Base64, ReadsBackAndJoins) {
     EXPECT_EQ(text.size(), (size + 2) / 3 * 4);
     EXPECT_EQ(io_detail::decode_base64(text), bytes) << "seed " << seed;
     const std::size_t cut = size / 6 * 3;
-    EXPECT_EQ(io_detail::encode_base64(bytes.substr(0, cut)) + io_detail::encode_base64(bytes.substr(cut)), text);
+    EXPECT_EQ(io_detail::encode_base64(bytes.substr(0, cut)) + io_detail::encode_base64(bytes.substr(cut)),
+              text);
   }
   EXPECT_EQ(io_detail::encode_base64("Man"), "TWFu");  // RFC 4648 has the alphabet
   EXPECT_EQ(io_detail::encode_base64("M"), "TQ==");
@@ -82,7 +83,9 @@ TEST_F(View, TetsAreInThePage) {
   ASSERT_EQ(V.size(), 15u);
   for (Eigen::Index v = 0; v < 5; ++v)
     for (int k = 0; k < 3; ++k)
-      EXPECT_EQ(info["middle"][static_cast<std::size_t>(k)].get<double>() + static_cast<double>(V[static_cast<std::size_t>(3 * v + k)]), m.mesh.V(v, k));
+      EXPECT_EQ(info["middle"][static_cast<std::size_t>(k)].get<double>() +
+                    static_cast<double>(V[static_cast<std::size_t>(3 * v + k)]),
+                m.mesh.V(v, k));
   const std::string page = test::read_text(page_);
   EXPECT_NE(page.find("<title>&lt;i>odd &amp;   name&lt;/i></title>"), std::string::npos);
   for (const char* other : {"http://", "https://", "src=", "url("}) {

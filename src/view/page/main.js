@@ -180,11 +180,11 @@ function faces_to_show() {
   if (!is_tets) return Int32Array.from({length: triangles}, (_, i) => i);
   let faces = shown_faces(kept_tets(), neighbours);
   if (state.shrink > 0) {  // shrunken tets show all their sides
-    const own = new Set(faces.map(face => face >> 2));
-    faces = [];
-    for (const t of own) for (let f = 0; f < 4; ++f) faces.push(4 * t + f);
+    const own = new Set();
+    for (const face of faces) own.add(face >> 2);
+    faces = Int32Array.from([...own].flatMap(t => [4 * t, 4 * t + 1, 4 * t + 2, 4 * t + 3]));
   }
-  return Int32Array.from(faces);
+  return faces;
 }
 
 function rebuild() {
@@ -364,5 +364,9 @@ resize();
 rebuild();
 // For tests, and for whoever wants to script the page.
 window.overtet = {state, pick, pick_at, rebuild, shown: () => shown_elements.length,
-  frame: () => { renderer.render(scene, camera); renderer.getContext().finish(); }};
+  frame: () => {  // reading a pixel waits for the picture
+    renderer.render(scene, camera);
+    const gl = renderer.getContext();
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+  }};
 document.documentElement.dataset.ready = "yes";

@@ -123,13 +123,19 @@ export function along_of(V, cells, corners) {
 
 // The faces between tets that are kept and those that are not, or nothing: 4 * tet + face, in order.
 export function shown_faces(kept, neighbours) {
-  const faces = [];
-  for (let t = 0; t < kept.length; ++t) {
-    if (!kept[t]) continue;
-    for (let f = 0; f < 4; ++f) {
-      const other = neighbours[4 * t + f];
-      if (other < 0 || !kept[other]) faces.push(4 * t + f);
+  let count = 0;
+  const each = visit => {
+    for (let t = 0, face = 0; t < kept.length; ++t, face += 4) {
+      if (kept[t] === 0) continue;
+      for (let f = face; f < face + 4; ++f) {
+        const other = neighbours[f];
+        if (other < 0 || kept[other] === 0) visit(f);
+      }
     }
-  }
+  };
+  each(() => { ++count; });
+  const faces = new Int32Array(count);
+  count = 0;
+  each(f => { faces[count++] = f; });
   return faces;
 }
