@@ -10,6 +10,7 @@
 #include "overtet/version.h"
 #include "src/cli/arguments.h"
 #include "src/cli/commands.h"
+#include "src/cli/shell_help.h"
 #include "src/cli/signals.h"
 #include "src/cli/tuning.h"
 
@@ -430,6 +431,13 @@ int parse_and_run(int argc, char** argv) {
        {mesh_app, inspect_app, repair_app, prepare_app, verify_app, convert_app, view_app})
     add_common(*command, common);
   CLI::App* batch_app = add_batch(app, batch, common);
+  std::string manual_command, shell;
+  CLI::App* manual_app = app.add_subcommand("manual", "Print a man page: of a command, or of the program");
+  manual_app->add_option("COMMAND", manual_command, "A command");
+  CLI::App* completion_app = app.add_subcommand("completion", "Print a script that completes command lines");
+  completion_app->add_option("SHELL", shell, "bash, zsh or fish")
+      ->required()
+      ->check(CLI::IsMember({"bash", "zsh", "fish"}));
 
   std::vector<std::string> given(argv + 1, argv + argc);
   batch.mesh_options = words_for_mesh(given);
@@ -465,6 +473,13 @@ int parse_and_run(int argc, char** argv) {
   if (*convert_app) return run(convert, common, terminal);
   if (*batch_app) return run(batch, common, terminal);
   if (*view_app) return run(view, common, terminal);
+  if (*manual_app || *completion_app) {
+    const Result<std::string> text =
+        *manual_app ? manual_of(app, manual_command) : completion_for(shell, app);
+    if (!text) return fail(terminal, text.error());
+    const bool printed = std::fputs(text.value().c_str(), stdout) >= 0 && std::fflush(stdout) == 0;
+    return printed ? 0 : fail(terminal, {ErrorCode::io, "Cannot write standard output."});
+  }
   return run(verify, common, terminal);
 }
 
