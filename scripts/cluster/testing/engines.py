@@ -1,0 +1,175 @@
+"""The batch with each engine, interrupted in every way that the engine knows, and what must have come of it."""
+import os
+import signal
+import subprocess
+import time
+
+from .local_slurm import LocalSlurm
+from .processes import Failure, batch_of, die_with_parent, kill, run, wait_for, workers_of
+from .results import Snapshot, check_results, finished, lines_of
+
+CLUSTER = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..")
+SECONDS = 60  # that anything may take at most
+
+
+class Test:
+    """What all engines get: the models, the wanted answers, and folders."""
+
+    def __init__(self, program, folder, models, wanted):
+        self.program, self.folder, self.models, self.wanted = program, folder, models, wanted
+        self.environment = dict(os.environ, OVERTET=program)
+
+    def out(self, name):
+        return os.path.join(self.folder, name)
+
+    def wait_for_half(self, out, shard, least=1):
+        """Waits until a shard has finished a model and works on the next; the process of its batch."""
+        def half():
+            return batch_of(out, shard) if len(finished(out, shard)) >= least else 0
+        return wait_for(f"{least} finished models of shard {shard}", half, SECONDS)
+
+    def start(self, *command, **more):
+        """A program whose output goes to a file, in a session of its own, as a terminal would give it."""
+        log = open(os.path.join(self.folder, os.path.basename(command[0]) + ".log"), "a", encoding="utf-8")
+        with log:
+            return subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True,
+                                    preexec_fn=die_with_parent, env=self.environment, cwd=self.folder, **more)
+
+    def check(self, out, snapshots):
+        done = max(s.check() for s in snapshots)
+        return f"{check_results(out, self.wanted)}; of {done} done at the last interruption none was repeated"
+
+
+def say(text):
+    print(f"{time.strftime('%H:%M:%S')} {text}", flush=True)
+
+
+def interrupt_group(process):
+    """Ctrl-C in the terminal of a process, and again if it takes it for a hint."""
+    for _ in range(2):
+        try:
+            os.killpg(process.pid, signal.SIGINT)
+        except ProcessLookupError:
+            pass
+        try:
+            return process.wait(timeout=10)
+        except subprocess.TimeoutExpired:
+            pass
+    raise Failure("Ctrl-C did not end it in 20 s")
+
+
+def kill_and_interrupt(test, engine, out, shards, goes_on):
+    """Kills the batch of a shard that is half done (and waits until it goes on), then presses Ctrl-C. What was done then."""
+    all_shards = [f"{i}/{shards}" for i in range(1, shards + 1)]
+
+    def half_done(but=""):
+        return next(((s, batch_of(out, s)) for s in all_shards
+                     if s != but and finished(out, s) and batch_of(out, s)), None)
+    killed, batch = wait_for("a shard that is half done", half_done, SECONDS)
+    snapshots = [Snapshot(out)]
+    kill([batch])
+    if goes_on:
+        wait_for(f"shard {killed} to go on", lambda: batch_of(out, killed) not in (0, batch), SECONDS)
+    wait_for("another shard that is half done", lambda: half_done(but=killed), SECONDS)
+    snapshots.append(Snapshot(out))
+    batches = [b for b in (batch_of(out, s) for s in all_shards) if b]
+    workers = [w for b in batches for w in workers_of(b)]
+    if interrupt_group(engine) == 0:
+        raise Failure("the engine ended with 0 although it was interrupted")
+    wait_for("no batch and no worker after Ctrl-C",
+             lambda: not any(os.path.exists(f"/proc/{pid}") for pid in batches + workers), 5)
+    return snapshots
+
+
+# --- Slurm
+
+def hurt(slurm, test, out, job, shards):
+    """One sort of interruption for each shard, when it is half done. What was done then."""
+    def restarted(shard):
+        return int(slurm.job(f"{job}_{shard}").get("Restarts", 0)) > 0
+    snapshots = []
+
+    def do(shard, what, action, requeued=True):
+        batch = test.wait_for_half(out, f"{shard}/{shards}")
+        snapshots.append(Snapshot(out))
+        action(batch)
+        if requeued:
+            wait_for(f"shard {shard} requeued", lambda: restarted(shard), SECONDS)
+        say(f"  shard {shard}: {what}{'; requeued by ' + requeued if requeued else ''}")
+
+    do(1, "its batch killed (kill -9)", lambda b: kill([b]), "slurm_job")
+    do(2, "a worker killed (kill -9)", lambda b: kill(workers_of(b)[-1:]), "")
+    do(3, "scontrol requeue", lambda b: slurm.ask("scontrol", "requeue", f"{job}_3"), "Slurm")
+    node = [""]
+
+    def crash(batch):
+        node[0] = slurm.job(f"{job}_4")["NodeList"]
+        slurm.crash_node(node[0], batch)
+    do(4, "its node down, all processes there killed", crash, "Slurm")
+    slurm.start_node(node[0])
+    do(5, "its workers stopped until Slurm's signal came that the time is over",
+       lambda b: (kill(workers_of(b), signal.SIGSTOP),
+                  slurm.ask("scontrol", "update", f"JobId={job}_5", "TimeLimit=1")), "slurm_job")
+    return snapshots
+
+
+def test_slurm(test):
+    out = test.out("slurm out")
+    shards = 5
+    with LocalSlurm(test.out("daemons")) as slurm:
+        say(f"Slurm: {slurm.ask('sinfo', '--version').strip()}, nodes {' '.join(slurm.NODES)} on this machine")
+        test.environment["SLURM_CONF"] = slurm.configuration
+        submitted = run(os.path.join(CLUSTER, "slurm"), test.models, out, "--shards", str(shards), "--cpus-per-task=1",
+                        "--mem=900", "--time=10", env=test.environment, cwd=test.folder)
+        say(f"  {submitted.strip().splitlines()[-1]}")
+        job = submitted.split("as job ")[1].split(",")[0]
+        snapshots = hurt(slurm, test, out, job, shards)
+        wait_for("the end of all jobs", lambda: not slurm.jobs(), 2 * SECONDS)
+        say(f"  {test.check(out, snapshots)}")
+        test_snakemake_on_slurm(test)
+
+
+def test_snakemake_on_slurm(test):
+    """A manifest of a few of the models, as every job of this kind starts Snakemake once more."""
+    out = test.out("snakemake on slurm")
+    names = sorted(test.wanted)[::4]
+    manifest = os.path.join(test.folder, "some.txt")
+    with open(manifest, "w", encoding="utf-8") as f:
+        f.writelines(f"models/{name}.off\n" for name in names)
+    submit = "sbatch --parsable --cpus-per-task={threads} --mem={resources.mem_mb} --output=/dev/null"
+    run("snakemake", "-s", f"{CLUSTER}/Snakefile", "--jobs", "2", "--latency-wait", "20", "--cluster", submit, "--config",
+        f"models={manifest}", f"out={out}", "shards=2", "threads=1", "mem_mb=900", env=test.environment, cwd=test.folder)
+    say(f"Snakemake, --cluster sbatch, {len(names)} models of a manifest:")
+    say(f"  {check_results(out, {name: test.wanted[name] for name in names})}")
+
+
+# --- Snakemake on this machine
+
+def test_snakemake(test):
+    out = test.out("snakemake out")
+    command = ("snakemake", "-s", f"{CLUSTER}/Snakefile", "--cores", "2", "--retries", "1", "--rerun-incomplete",
+               "--config", f"models={test.models}", f"out={out}", "shards=3", "threads=1", "mem_mb=900")
+    snakemake = test.start(*command)
+    snapshots = kill_and_interrupt(test, snakemake, out, 3, goes_on=True)
+    say("Snakemake: a shard killed (kill -9), which goes on by --retries; Ctrl-C")
+    run(*command, env=test.environment, cwd=test.folder)
+    say(f"  the same command again: {test.check(out, snapshots)}")
+
+
+# --- GNU parallel
+
+def test_parallel(test):
+    out = test.out("parallel out")
+    command = (f"{CLUSTER}/parallel", test.models, out, "--shards", "4", "-j", "2", "--", "--jobs", "1")
+    snapshots = kill_and_interrupt(test, test.start(*command), out, 4, goes_on=False)
+    say("GNU parallel: a shard killed (kill -9); Ctrl-C while two others are at work")
+    run(*command, env=test.environment, cwd=test.folder)
+    say(f"  the same command again: {test.check(out, snapshots)}")
+    before = lines_of(os.path.join(out, "parallel", "joblog"))
+    run(*command, env=test.environment, cwd=test.folder)
+    if lines_of(os.path.join(out, "parallel", "joblog")) != before:
+        raise Failure("the same command runs shards again that are done")
+    say("  and again: no shard is run")
+
+
+ENGINES = {"slurm": test_slurm, "snakemake": test_snakemake, "parallel": test_parallel}
