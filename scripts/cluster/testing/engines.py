@@ -5,7 +5,7 @@ import subprocess
 import time
 
 from .local_slurm import LocalSlurm
-from .processes import Failure, batch_of, die_with_parent, kill, run, wait_for, workers_of
+from .processes import Failure, batch_of, die_with_parent, hit_worker, kill, run, wait_for, workers_of
 from .results import Snapshot, check_results, finished, lines_of
 
 CLUSTER = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..")
@@ -85,32 +85,47 @@ def kill_and_interrupt(test, engine, out, shards, goes_on):
 
 def hurt(slurm, test, out, job, shards):
     """One sort of interruption for each shard, when it is half done. What was done then."""
-    def restarted(shard):
-        return int(slurm.job(f"{job}_{shard}").get("Restarts", 0)) > 0
     snapshots = []
 
-    def do(shard, what, action, requeued=True):
+    def half_done(shard):
         batch = test.wait_for_half(out, f"{shard}/{shards}")
         snapshots.append(Snapshot(out))
-        action(batch)
-        if requeued:
-            wait_for(f"shard {shard} requeued", lambda: restarted(shard), SECONDS)
-        say(f"  shard {shard}: {what}{'; requeued by ' + requeued if requeued else ''}")
+        return batch
 
-    do(1, "its batch killed (kill -9)", lambda b: kill([b]), "slurm_job")
-    do(2, "a worker killed (kill -9)", lambda b: kill(workers_of(b)[-1:]), "")
-    do(3, "scontrol requeue", lambda b: slurm.ask("scontrol", "requeue", f"{job}_3"), "Slurm")
-    node = [""]
+    def requeued(shard, what, by):
+        wait_for(f"shard {shard} to be requeued", lambda: int(slurm.job(f"{job}_{shard}").get("Restarts", 0)) > 0, SECONDS)
+        say(f"  shard {shard}: {what}; requeued by {by}")
 
-    def crash(batch):
-        node[0] = slurm.job(f"{job}_4")["NodeList"]
-        slurm.crash_node(node[0], batch)
-    do(4, "its node down, all processes there killed", crash, "Slurm")
-    slurm.start_node(node[0])
-    do(5, "its workers stopped until Slurm's signal came that the time is over",
-       lambda b: (kill(workers_of(b), signal.SIGSTOP),
-                  slurm.ask("scontrol", "update", f"JobId={job}_5", "TimeLimit=1")), "slurm_job")
-    return snapshots
+    # The first waits for Slurm to look at the time, on one node, while the other node has the rest.
+    hit_worker(half_done(1), signal.SIGSTOP)
+    slurm.ask("scontrol", "update", f"JobId={job}_1", "TimeLimit=1")
+    kill([half_done(2)])
+    requeued(2, "its batch killed (kill -9)", "slurm_job")
+    hit_worker(half_done(3), signal.SIGKILL)
+    say("  shard 3: a worker killed (kill -9); the batch tries its model again")
+    half_done(4)
+    slurm.ask("scontrol", "requeue", f"{job}_4")
+    requeued(4, "scontrol requeue", "Slurm")
+    batch = half_done(5)
+    node = slurm.job(f"{job}_5")["NodeList"]
+    slurm.crash_node(node, batch)
+    requeued(5, f"its node {node} down, all processes there killed", "Slurm")
+    slurm.start_node(node)
+    snakemake = start_snakemake_on_slurm(test)
+    requeued(1, "its workers stopped, so that it met the time limit of its job", "slurm_job")
+    return snapshots, snakemake
+
+
+def start_snakemake_on_slurm(test):
+    """A manifest of a few of the models, as every job of this kind starts Snakemake once more."""
+    names = sorted(test.wanted)[::4]
+    manifest = os.path.join(test.folder, "some.txt")
+    with open(manifest, "w", encoding="utf-8") as f:
+        f.writelines(f"models/{name}.off\n" for name in names)
+    submit = "sbatch --parsable --cpus-per-task={threads} --mem={resources.mem_mb} --output=/dev/null"
+    process = test.start("snakemake", "-s", f"{CLUSTER}/Snakefile", "--jobs", "2", "--latency-wait", "20", "--cluster", submit,
+                         "--config", f"models={manifest}", f"out={test.out('some out')}", "shards=2", "threads=1", "mem_mb=900")
+    return process, names
 
 
 def test_slurm(test):
@@ -123,24 +138,14 @@ def test_slurm(test):
                         "--mem=900", "--time=10", env=test.environment, cwd=test.folder)
         say(f"  {submitted.strip().splitlines()[-1]}")
         job = submitted.split("as job ")[1].split(",")[0]
-        snapshots = hurt(slurm, test, out, job, shards)
-        wait_for("the end of all jobs", lambda: not slurm.jobs(), 2 * SECONDS)
+        snapshots, (snakemake, names) = hurt(slurm, test, out, job, shards)
+        wait_for("the summary", lambda: slurm.job(submitted.split("as job ")[2].split(".")[0])["JobState"] == "COMPLETED",
+                 2 * SECONDS)
         say(f"  {test.check(out, snapshots)}")
-        test_snakemake_on_slurm(test)
-
-
-def test_snakemake_on_slurm(test):
-    """A manifest of a few of the models, as every job of this kind starts Snakemake once more."""
-    out = test.out("snakemake on slurm")
-    names = sorted(test.wanted)[::4]
-    manifest = os.path.join(test.folder, "some.txt")
-    with open(manifest, "w", encoding="utf-8") as f:
-        f.writelines(f"models/{name}.off\n" for name in names)
-    submit = "sbatch --parsable --cpus-per-task={threads} --mem={resources.mem_mb} --output=/dev/null"
-    run("snakemake", "-s", f"{CLUSTER}/Snakefile", "--jobs", "2", "--latency-wait", "20", "--cluster", submit, "--config",
-        f"models={manifest}", f"out={out}", "shards=2", "threads=1", "mem_mb=900", env=test.environment, cwd=test.folder)
-    say(f"Snakemake, --cluster sbatch, {len(names)} models of a manifest:")
-    say(f"  {check_results(out, {name: test.wanted[name] for name in names})}")
+        if snakemake.wait(timeout=2 * SECONDS) != 0:
+            raise Failure(f"Snakemake with --cluster sbatch: exit code {snakemake.returncode}; see snakemake.log")
+        say(f"Snakemake, --cluster sbatch, {len(names)} models of a manifest:")
+        say(f"  {check_results(test.out('some out'), {name: test.wanted[name] for name in names})}")
 
 
 # --- Snakemake on this machine

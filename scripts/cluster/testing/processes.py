@@ -77,7 +77,26 @@ def batch_of(out, shard):
 
 
 def workers_of(batch):
-    return descendants(batch)[1:] if batch else []
+    return descendants(batch)[1:]
+
+
+def state(pid):
+    """As in `man proc`: R running, S sleeping, T stopped, Z ended; empty: gone."""
+    try:
+        with open(f"/proc/{pid}/stat", encoding="utf-8", errors="replace") as f:
+            return f.read().rsplit(")", 1)[1].split()[0]
+    except (OSError, IndexError):
+        return ""
+
+
+def hit_worker(batch, number):
+    """Sends a signal to the worker of a batch, and to what that has started. It may have ended just then: to the next one."""
+    def hit():
+        workers = [pid for pid in workers_of(batch) if state(pid) in ("R", "S", "D")]
+        kill(workers, number)
+        time.sleep(0.01)
+        return workers and all(state(pid) in ("T" if number == signal.SIGSTOP else ("", "Z")) for pid in workers)
+    wait_for(f"a worker of process {batch}", hit, 20)
 
 
 def kill(pids, number=signal.SIGKILL):
