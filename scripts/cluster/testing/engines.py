@@ -5,7 +5,7 @@ import subprocess
 import time
 
 from .local_slurm import LocalSlurm
-from .processes import Failure, batch_of, die_with_parent, hit_worker, kill, run, wait_for, workers_of
+from .processes import Failure, batch_of, die_with_parent, hit_worker, hold, kill, run, wait_for, workers_of
 from .results import Snapshot, check_results, finished, lines_of
 
 CLUSTER = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..")
@@ -22,11 +22,15 @@ class Test:
     def out(self, name):
         return os.path.join(self.folder, name)
 
-    def wait_for_half(self, out, shard, least=1):
-        """Waits until a shard has finished a model and works on the next; the process of its batch."""
-        def half():
-            return batch_of(out, shard) if len(finished(out, shard)) >= least else 0
-        return wait_for(f"{least} finished models of shard {shard}", half, SECONDS)
+    def hold_half_done(self, out, shards):
+        """Waits until one of these shards has finished a model and is at work on another; stops its batch. Both."""
+        def half_done():
+            for shard in shards:
+                batch = batch_of(out, shard) if finished(out, shard) else 0
+                if batch and hold(batch):
+                    return shard, batch
+            return None
+        return wait_for(f"one of the shards {' '.join(shards)} to be half done", half_done, SECONDS)
 
     def start(self, *command, **more):
         """A program whose output goes to a file, in a session of its own, as a terminal would give it."""
@@ -62,18 +66,16 @@ def kill_and_interrupt(test, engine, out, shards, goes_on):
     """Kills the batch of a shard that is half done (and waits until it goes on), then presses Ctrl-C. What was done then."""
     all_shards = [f"{i}/{shards}" for i in range(1, shards + 1)]
 
-    def half_done(but=""):
-        return next(((s, batch_of(out, s)) for s in all_shards
-                     if s != but and finished(out, s) and batch_of(out, s)), None)
-    killed, batch = wait_for("a shard that is half done", half_done, SECONDS)
+    killed, batch = test.hold_half_done(out, all_shards)
     snapshots = [Snapshot(out)]
     kill([batch])
     if goes_on:
         wait_for(f"shard {killed} to go on", lambda: batch_of(out, killed) not in (0, batch), SECONDS)
-    wait_for("another shard that is half done", lambda: half_done(but=killed), SECONDS)
+    _, batch = test.hold_half_done(out, [s for s in all_shards if s != killed])
     snapshots.append(Snapshot(out))
     batches = [b for b in (batch_of(out, s) for s in all_shards) if b]
     workers = [w for b in batches for w in workers_of(b)]
+    kill([batch], signal.SIGCONT)
     if interrupt_group(engine) == 0:
         raise Failure("the engine ended with 0 although it was interrupted")
     wait_for("no batch and no worker after Ctrl-C",
@@ -88,7 +90,7 @@ def hurt(slurm, test, out, job, shards):
     snapshots = []
 
     def half_done(shard):
-        batch = test.wait_for_half(out, f"{shard}/{shards}")
+        _, batch = test.hold_half_done(out, [f"{shard}/{shards}"])
         snapshots.append(Snapshot(out))
         return batch
 
@@ -119,9 +121,9 @@ def hurt(slurm, test, out, job, shards):
 def start_snakemake_on_slurm(test):
     """A manifest of a few of the models, as every job of this kind starts Snakemake once more."""
     names = sorted(test.wanted)[::4]
-    manifest = os.path.join(test.folder, "some.txt")
+    manifest = os.path.join(test.models, "some.txt")
     with open(manifest, "w", encoding="utf-8") as f:
-        f.writelines(f"models/{name}.off\n" for name in names)
+        f.writelines(f"{name}.off\n" for name in names)
     submit = "sbatch --parsable --cpus-per-task={threads} --mem={resources.mem_mb} --output=/dev/null"
     process = test.start("snakemake", "-s", f"{CLUSTER}/Snakefile", "--jobs", "2", "--latency-wait", "20", "--cluster", submit,
                          "--config", f"models={manifest}", f"out={test.out('some out')}", "shards=2", "threads=1", "mem_mb=900")
@@ -142,6 +144,8 @@ def test_slurm(test):
         wait_for("the summary", lambda: slurm.job(submitted.split("as job ")[2].split(".")[0])["JobState"] == "COMPLETED",
                  2 * SECONDS)
         say(f"  {test.check(out, snapshots)}")
+        if not any(e["tries"] == 2 for e in finished(out, f"3/{shards}")):
+            raise Failure("the journal of shard 3 does not say that a model was tried twice, whose worker was killed")
         if snakemake.wait(timeout=2 * SECONDS) != 0:
             raise Failure(f"Snakemake with --cluster sbatch: exit code {snakemake.returncode}; see snakemake.log")
         say(f"Snakemake, --cluster sbatch, {len(names)} models of a manifest:")

@@ -89,6 +89,16 @@ def state(pid):
         return ""
 
 
+def hold(pid):
+    """Stops a process; False if it has ended before."""
+    kill([pid], signal.SIGSTOP)
+    for _ in range(100):
+        if state(pid) in ("T", "Z", ""):
+            break
+        time.sleep(0.01)
+    return state(pid) == "T"
+
+
 def hit_worker(batch, number):
     """Sends a signal to the worker of a batch, and to what that has started. It may have ended just then: to the next one."""
     def hit():
@@ -96,6 +106,7 @@ def hit_worker(batch, number):
         kill(workers, number)
         time.sleep(0.01)
         return workers and all(state(pid) in ("T" if number == signal.SIGSTOP else ("", "Z")) for pid in workers)
+    kill([batch], signal.SIGCONT)
     wait_for(f"a worker of process {batch}", hit, 20)
 
 
