@@ -167,22 +167,12 @@ def test_snakemake(test):
 
 # --- GNU parallel
 
-SSH = """#!/bin/sh
-# Stands for ssh: hands the command to a shell, as sshd does, but on this machine.
-echo "$1" >>"$(dirname "$0")/machines"
-while [ "$1" != -- ]; do shift; done
-shift
-sh -c "$*"
-"""
-
-
 def test_parallel(test):
     out = test.out("parallel out")
-    ssh = test.out("ssh")
-    with open(os.open(ssh, os.O_WRONLY | os.O_CREAT, 0o700), "w", encoding="ascii") as f:
-        f.write(SSH)
-    command = (f"{CLUSTER}/parallel", test.models, out, "--shards", "4", "--ssh", ssh, "--sshlogin", "first,second",
-               "--", "--jobs", "1")
+    machines = test.out("machines")
+    test.environment["SSH_LOG"] = machines
+    command = (f"{CLUSTER}/parallel", test.models, out, "--shards", "4", "--ssh", f"{CLUSTER}/testing/ssh",
+               "--sshlogin", "first,second", "--", "--jobs", "1")
     snapshots = kill_and_interrupt(test, test.start(*command), out, 4, goes_on=False)
     say("GNU parallel, two machines behind a stand-in for ssh: a shard killed (kill -9); Ctrl-C while two are at work")
     run(*command, env=test.environment, cwd=test.folder)
@@ -192,7 +182,7 @@ def test_parallel(test):
     if lines_of(os.path.join(out, "parallel", "joblog")) != before:
         raise Failure("the same command runs shards again that are done")
     say("  and again: no shard is run")
-    with open(test.out("machines"), encoding="ascii") as f:
+    with open(machines, encoding="ascii") as f:
         if set(f.read().split()) != {"first", "second"}:
             raise Failure("GNU parallel did not use both machines")
 
