@@ -19,7 +19,8 @@ def die_with_parent():
 
 def run(*command, fails=False, **more):
     """The output of a command; a failure when it ends with another exit code than 0 (any, with `fails`)."""
-    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False, **more)
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
+                          preexec_fn=die_with_parent, **more)
     if done.returncode != 0 and not fails:
         raise Failure(f"{' '.join(command)}\nended with {done.returncode}:\n{done.stdout[-4000:]}")
     return done.stdout
@@ -122,7 +123,7 @@ def left_of(folder):
     """Processes that have something to do with a folder: by command line, environment or working folder."""
     found = []
     for pid in all_pids():
-        if pid == os.getpid():
+        if pid == os.getpid() or state(pid) in ("Z", ""):
             continue
         try:
             where = os.readlink(f"/proc/{pid}/cwd")
