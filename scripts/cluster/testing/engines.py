@@ -113,20 +113,26 @@ def hurt(slurm, test, out, job, shards):
     slurm.crash_node(node, batch)
     requeued(5, f"its node {node} down, all processes there killed", "Slurm")
     slurm.start_node(node)
-    snakemake = start_snakemake_on_slurm(test)
+    snakemake = start_snakemake_on_slurm(slurm, test)
     requeued(1, "its workers stopped, so that it met the time limit of its job", "slurm_job")
     return snapshots, snakemake
 
 
-def start_snakemake_on_slurm(test):
+def start_snakemake_on_slurm(slurm, test):
     """A manifest of a few of the models, as every job of this kind starts Snakemake once more."""
     names = sorted(test.wanted)[::4]
     manifest = os.path.join(test.models, "some.txt")
     with open(manifest, "w", encoding="utf-8") as f:
         f.writelines(f"{name}.off\n" for name in names)
     submit = "sbatch --parsable --cpus-per-task={threads} --mem={resources.mem_mb} --output=/dev/null"
-    process = test.start("snakemake", "-s", f"{CLUSTER}/Snakefile", "--jobs", "2", "--latency-wait", "20", "--cluster", submit,
-                         "--config", f"models={manifest}", f"out={test.out('some out')}", "shards=2", "threads=1", "mem_mb=900")
+    process = test.start("snakemake", "-s", f"{CLUSTER}/Snakefile", "--jobs", "2", "--latency-wait", "20", "--retries", "1",
+                         "--cluster", submit, "--cluster-status", f"{CLUSTER}/slurm_status", "--config",
+                         f"models={manifest}", f"out={test.out('some out')}", "shards=2", "threads=1", "mem_mb=900")
+
+    def running():
+        jobs = [line.split() for line in slurm.ask("squeue", "-h", "-o", "%i %T %j").splitlines()]
+        return next((job for job, state, name in jobs if state == "RUNNING" and name.startswith("snakejob.shard")), None)
+    slurm.ask("scancel", wait_for("a job of Snakemake to run", running, 2 * SECONDS))
     return process, names
 
 
@@ -148,7 +154,9 @@ def test_slurm(test):
             raise Failure("the journal of shard 3 does not say that a model was tried twice, whose worker was killed")
         if snakemake.wait(timeout=2 * SECONDS) != 0:
             raise Failure(f"Snakemake with --cluster sbatch: exit code {snakemake.returncode}; see snakemake.log")
-        say(f"Snakemake, --cluster sbatch, {len(names)} models of a manifest:")
+        if not any(b"Trying to restart job" in line for line in lines_of(test.out("snakemake.log"))):
+            raise Failure("Snakemake has not restarted the job that was cancelled")
+        say(f"Snakemake, --cluster sbatch, {len(names)} models of a manifest, one of two jobs cancelled:")
         say(f"  {check_results(test.out('some out'), {name: test.wanted[name] for name in names})}")
 
 
