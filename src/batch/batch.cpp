@@ -55,7 +55,8 @@ std::string now_utc() {
   return std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts) > 0 ? text : "";
 }
 
-// More than 12 members: options, what is waiting, running, done and to be written, and what has been done before.
+// More than 12 members: options, what is waiting, running, done and to be written, and what has been done
+// before.
 class Batch {
  public:
   Batch(const BatchOptions& options, const RunContext& context)
@@ -81,8 +82,13 @@ class Batch {
   void show();
 
   int threads_running() const;
-  std::string output_of(const Model& m) const { return options_.folder + "/" + m.name + ending_of(options_.format); }
+  std::string output_of(const Model& m) const {
+    return options_.folder + "/" + m.name + ending_of(options_.format);
+  }
   std::string report_of(const Model& m) const { return options_.folder + "/" + m.name + ".json"; }
+  std::string in_folder(const std::string& file) const {
+    return fs::path(file).lexically_relative(options_.folder);
+  }
   std::int64_t all_memory() const {
     return static_cast<std::int64_t>(kSharedMemory * static_cast<double>(options_.usable_memory_bytes));
   }
@@ -106,7 +112,7 @@ class Batch {
   std::list<Running> running_;
   std::vector<JournalEntry> pending_;  // that the journal has not taken
   BatchCounts counts_;
-  bool alone_ = false;          // those that are tried again run one at a time
+  bool alone_ = false;         // those that are tried again run one at a time
   std::optional<Error> stop_;  // nothing more is started
   Clock::time_point start_ = Clock::now();
 };
@@ -117,7 +123,8 @@ Status Batch::open() {
   if (code && !fs::is_directory(options_.folder))
     return Error{ErrorCode::io, "Cannot make the folder " + options_.folder + ": " + code.message() + "."};
   if (fs::equivalent(options_.folder, options_.models, code))
-    return Error{ErrorCode::usage, "The results need a folder of their own; choose another one than the models'."};
+    return Error{ErrorCode::usage,
+                 "The results need a folder of their own; choose another one than the models'."};
   Result<std::vector<Model>> listed = models_of(options_.models, options_.folder);
   if (!listed) return listed.error();
   if (listed.value().empty())
@@ -148,14 +155,11 @@ Status Batch::read_past() {
     if (path == journal_.path() && !read.value().entries.empty() && !options_.resume)
       return Error{ErrorCode::usage, options_.folder + " has the journal of a batch, of " +
                                          std::to_string(read.value().entries.size()) +
-                                         " models; say that it is to be resumed, or choose another folder."};
+                                         " models; resume that batch, or choose another folder."};
     for (const std::int64_t line : read.value().wrong_lines)
       context_.note(LogLevel::warning, path + ": line " + std::to_string(line) +
-                                          " is no entry (cut off when a batch was killed?); it is skipped.");
-    for (JournalEntry& e : read.value().entries) {
-      JournalEntry& last = past_[e.name];
-      if (e.ended >= last.ended) last = std::move(e);
-    }
+                                           " is no entry (cut off when a batch was killed?); it is skipped.");
+    add_last(std::move(read).value(), past_);
   }
   return success();
 }
@@ -183,8 +187,11 @@ bool Batch::skip(const Task& task, const std::vector<std::string>& options) {
   const auto found = past_.find(as_utf8(task.model.name));
   if (found == past_.end()) return false;
   const JournalEntry& e = found->second;
+  std::map<std::string, std::string> files;
+  for (const std::string& file : tet_files(output_of(task.model), options_.format))
+    files[as_utf8(in_folder(file))] = file;
   return e.sha256 == task.state.sha256 && e.options == as_utf8(options) && e.version == version() &&
-         settled(e, options_.folder, options_.time_limit, final_memory());
+         settled(e, files, options_.time_limit, final_memory());
 }
 
 // Starts a worker, or says what becomes of the model without one.
@@ -283,8 +290,7 @@ void Batch::end(Running& running, const WorkerEnd& how) {
     for (const std::string& file : tet_files(output, options_.format)) {
       std::error_code none;
       const auto bytes = fs::file_size(file, none);
-      if (!none)
-        e.outputs.emplace_back(fs::path(file).lexically_relative(options_.folder), static_cast<std::int64_t>(bytes));
+      if (!none) e.outputs.emplace_back(in_folder(file), static_cast<std::int64_t>(bytes));
     }
   if (outcome.disk_full) stop_ = Error{ErrorCode::io, e.message};
   finish(std::move(e), task.model.bytes);
@@ -358,11 +364,13 @@ void Batch::show() {
       const double left = seconds * static_cast<double>(c.bytes - c.bytes_skipped - c.bytes_done) /
                           static_cast<double>(c.bytes_done);
       const auto whole = static_cast<long long>(std::max(0.0, left));
-      std::snprintf(rate, sizeof rate, ", %lld:%02lld:%02lld left", whole / 3600, whole / 60 % 60, whole % 60);
+      std::snprintf(rate, sizeof rate, ", %lld:%02lld:%02lld left", whole / 3600, whole / 60 % 60,
+                    whole % 60);
       text += rate;
     }
   }
-  context_.report("batch", c.models > 0 ? static_cast<double>(c.done) / static_cast<double>(c.models) : 1, text);
+  context_.report("batch", c.models > 0 ? static_cast<double>(c.done) / static_cast<double>(c.models) : 1,
+                  text);
 }
 
 Status Batch::work() {
@@ -385,7 +393,9 @@ Status Batch::work() {
     std::vector<Worker*> workers;
     for (Running& r : running_) workers.push_back(&r.worker);
     wait_for_any(workers, kBatchPeriod);
-    // The free places are taken before the journal is written: that waits for the disk.
+    // The free places are taken before the journal is written, which waits for the disk; but not where what
+    // has happened may end the batch.
+    bool go_on = !context_.stop();
     std::vector<std::pair<Running, WorkerEnd>> ended;
     for (auto r = running_.begin(); r != running_.end();) {
       std::optional<WorkerEnd> how = r->worker.ended();
@@ -393,10 +403,12 @@ Status Batch::work() {
         ++r;
         continue;
       }
+      go_on = go_on && how->exit_code != static_cast<int>(ErrorCode::usage) &&
+              how->exit_code != static_cast<int>(ErrorCode::io);
       ended.emplace_back(std::move(*r), *std::move(how));
       r = running_.erase(r);
     }
-    if (!ended.empty() && !context_.stop()) start_some();
+    if (!ended.empty() && go_on) start_some();
     for (auto& [running, how] : ended) end(running, how);
   }
 }
@@ -415,7 +427,7 @@ Result<BatchCounts> Batch::run() {
 
 std::string listed(const std::map<std::string, std::int64_t>& statuses) {
   // Good news first.
-  static const char* const order[] = {"exact",     "repaired",  "refined", "branched", "infeasible",
+  static const char* const order[] = {"exact",     "repaired", "refined", "branched", "infeasible",
                                       "bad-input", "unsolved", "limit",   "failed",   "crashed"};
   std::string text;
   const auto add = [&](const std::string& status, std::int64_t n) {
@@ -431,9 +443,11 @@ std::string listed(const std::map<std::string, std::int64_t>& statuses) {
 
 Status BatchOptions::validate() const {
   const auto wrong = [](const char* what) { return Error{ErrorCode::usage, what}; };
-  if (jobs < 0 || threads < 0 || cores < 1) return wrong("Jobs, threads and cores of a batch are positive numbers.");
+  if (jobs < 0 || threads < 0 || cores < 1)
+    return wrong("Jobs, threads and cores of a batch are positive numbers.");
   if (!(time_limit >= 0) || memory_limit_bytes < 0) return wrong("The limits of a batch are not negative.");
-  if (shards < 1 || shard < 1 || shard > shards) return wrong("A shard has a number from 1 to the number of shards.");
+  if (shards < 1 || shard < 1 || shard > shards)
+    return wrong("A shard has a number from 1 to the number of shards.");
   if (!words) return wrong("A batch needs to know how to start a worker.");
   return success();
 }

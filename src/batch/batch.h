@@ -5,11 +5,13 @@
 //
 //   - A model that crashes, hangs, or needs too much time or memory ends alone. Where that may have been for
 //     want of memory, or another process killed it, it is tried once more, after all others and by itself.
-//   - What the journal has is on the disk. Whatever ends the batch or a worker, with `resume` the next one does
+//   - What the journal has is on the disk. Whatever ends the batch or a worker, with `resume` the next one
+//   does
 //     the rest and no more: what has an answer for the same contents, options and version is skipped.
 //   - Results appear whole or not at all, under names that follow from the list (Model::name): NAME.mesh, or
 //     what the format has, and NAME.json, the report.
-//   - Answers do not depend on how many models run at a time, nor on threads or shards. (A limit that is reached
+//   - Answers do not depend on how many models run at a time, nor on threads or shards. (A limit that is
+//   reached
 //     may.)
 #pragma once
 
@@ -67,15 +69,15 @@ struct BatchOptions {
 };
 
 // Every model has a line in the journal when this succeeds. Errors: usage (options; the folder has a journal
-// and `resume` is not set; the workers refuse their options), bad_input (manifest), io (list, journal, results:
-// what is finished is kept), interrupted.
+// and `resume` is not set; the workers refuse their options), bad_input (manifest), io (list, journal,
+// results: what is finished is kept), interrupted.
 Result<BatchCounts> run_batch(const BatchOptions& options, const RunContext& context);
 
 // How many models at a time, and how many threads for one that begins now.
 struct BatchPlan {
-  int jobs = 1;     // at most
-  int threads = 0;  // for each; 0: by threads_for()
-  int least = 1;    // threads, where they are not given
+  int jobs = 1;       // at most
+  int threads = 0;    // for each; 0: by threads_for()
+  int least = 1;      // threads, where they are not given
   bool full = false;  // the cores are the limit, not the jobs
   explicit BatchPlan(const BatchOptions& options);
 

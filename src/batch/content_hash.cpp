@@ -52,7 +52,8 @@ Result<FileState> state_of(const std::string& path) {
     const int code = errno;
     ::close(fd);
     if (S_ISREG(info.st_mode)) return fail(code);
-    return Error{ErrorCode::io, "Cannot read " + path + ": a batch takes files only, no folders, pipes or devices."};
+    return Error{ErrorCode::io,
+                 "Cannot read " + path + ": a batch takes files only, no folders, pipes or devices."};
   }
   sha256_ctx hash;
   sha256_init(&hash);
@@ -78,8 +79,8 @@ bool unchanged_since(const FileState& state, const std::string& path) {
   struct stat info;
   if (::stat(path.c_str(), &info) != 0) return false;
   const FileState now = state_from(info);
-  return now.bytes == state.bytes && now.modified_ns == state.modified_ns && now.changed_ns == state.changed_ns &&
-         now.inode == state.inode && now.device == state.device;
+  return now.bytes == state.bytes && now.modified_ns == state.modified_ns &&
+         now.changed_ns == state.changed_ns && now.inode == state.inode && now.device == state.device;
 }
 
 std::string sha256_of(const std::string& text) {

@@ -21,7 +21,8 @@ struct FileState {
 // Reads the whole file. Pipes, devices and folders have no state. Errors: io.
 Result<FileState> state_of(const std::string& path);
 
-// Whether the file is the very one, not written to since. (Looks at the file system only, not at the contents.)
+// Whether the file is the very one, not written to since. (Looks at the file system only, not at the
+// contents.)
 bool unchanged_since(const FileState& state, const std::string& path);
 
 // SHA-256 of a text, in hexadecimal digits.

@@ -33,16 +33,22 @@ class Reader {
   explicit Reader(const Json& json) : json_(json) {}
   bool failed() const { return failed_; }
 
-  void read(const char* key, std::string& to) { if (const Json* j = at(key, &Json::is_string)) to = j->get<std::string>(); }
-  void read(const char* key, double& to) { if (const Json* j = at(key, &Json::is_number)) to = j->get<double>(); }
+  void read(const char* key, std::string& to) {
+    if (const Json* j = at(key, &Json::is_string)) to = j->get<std::string>();
+  }
+  void read(const char* key, double& to) {
+    if (const Json* j = at(key, &Json::is_number)) to = j->get<double>();
+  }
   void read(const char* key, std::int64_t& to) {
     if (const Json* j = at(key, &Json::is_number_integer)) to = j->get<std::int64_t>();
   }
   void read(const char* key, int& to) {
     std::int64_t wide = to;
     read(key, wide);
-    if (wide < -(1ll << 31) || wide >= (1ll << 31)) failed_ = true;
-    else to = static_cast<int>(wide);
+    if (wide < -(1ll << 31) || wide >= (1ll << 31))
+      failed_ = true;
+    else
+      to = static_cast<int>(wide);
   }
   template <class T>
   void read(const char* key, std::optional<T>& to) {
@@ -56,8 +62,10 @@ class Reader {
     const Json* list = at(key, &Json::is_array);
     if (!list) return;
     for (const Json& word : *list) {
-      if (!word.is_string()) failed_ = true;
-      else to.push_back(word.get<std::string>());
+      if (!word.is_string())
+        failed_ = true;
+      else
+        to.push_back(word.get<std::string>());
     }
   }
   void read(const char* key, std::vector<std::pair<std::string, std::int64_t>>& to) {
@@ -65,7 +73,10 @@ class Reader {
     if (!list) return;
     for (const Json& file : *list) {
       std::pair<std::string, std::int64_t> one;
-      if (!file.is_object()) { failed_ = true; return; }
+      if (!file.is_object()) {
+        failed_ = true;
+        return;
+      }
       Reader inner(file);
       inner.read("file", one.first);
       inner.read("bytes", one.second);
@@ -117,9 +128,13 @@ void each_field(Entry& e, Visit&& visit) {
 }
 
 template <class T>
-Json json_of(const T& x) { return Json(x); }
+Json json_of(const T& x) {
+  return Json(x);
+}
 template <class T>
-Json json_of(const std::optional<T>& x) { return or_null(x); }
+Json json_of(const std::optional<T>& x) {
+  return or_null(x);
+}
 Json json_of(const std::vector<std::pair<std::string, std::int64_t>>& files) {
   Json j = Json::array();
   for (const auto& [file, bytes] : files) j.push_back({{"file", file}, {"bytes", bytes}});
@@ -159,8 +174,10 @@ JournalContents journal_of(const std::string& text) {
     at = end + 1;
     if (line.empty()) continue;
     std::optional<JournalEntry> entry = entry_of(line);
-    if (entry) contents.entries.push_back(*std::move(entry));
-    else contents.wrong_lines.push_back(number);
+    if (entry)
+      contents.entries.push_back(*std::move(entry));
+    else
+      contents.wrong_lines.push_back(number);
   }
   return contents;
 }
@@ -171,6 +188,15 @@ Result<JournalContents> read_journal(const std::string& path) {
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   if (in.bad()) return cannot("read", path, EIO);
   return journal_of(text);
+}
+
+void add_last(JournalContents contents, std::map<std::string, JournalEntry>& last) {
+  std::map<std::string, JournalEntry> own;
+  for (JournalEntry& e : contents.entries) own[e.name] = std::move(e);
+  for (auto& [name, entry] : own) {
+    const auto [at, is_new] = last.try_emplace(name);
+    if (is_new || entry.ended >= at->second.ended) at->second = std::move(entry);
+  }
 }
 
 std::string journal_name(int shard, int shards) {
@@ -190,9 +216,9 @@ Result<std::vector<std::string>> journals_in(const std::string& folder) {
   return found;
 }
 
-bool settled(const JournalEntry& entry, const std::string& folder, double time_limit,
+bool settled(const JournalEntry& entry, const std::map<std::string, std::string>& files, double time_limit,
              std::int64_t memory_limit_bytes) {
-  static const char* const final_answers[] = {"exact",  "repaired",   "refined", "branched",
+  static const char* const final_answers[] = {"exact",    "repaired",   "refined",  "branched",
                                               "unsolved", "infeasible", "bad-input"};
   const auto no_higher = [](auto now, auto then) { return now > 0 && then > 0 && now <= then; };
   if (entry.status == "limit") {
@@ -207,9 +233,9 @@ bool settled(const JournalEntry& entry, const std::string& folder, double time_l
   }
   return std::all_of(entry.outputs.begin(), entry.outputs.end(), [&](const auto& output) {
     std::error_code none;
-    const fs::path path = fs::path(folder) / output.first;
-    return fs::is_regular_file(path, none) &&
-           static_cast<std::int64_t>(fs::file_size(path, none)) == output.second && !none;
+    const auto file = files.find(output.first);
+    return file != files.end() && fs::is_regular_file(file->second, none) &&
+           static_cast<std::int64_t>(fs::file_size(file->second, none)) == output.second && !none;
   });
 }
 
@@ -237,7 +263,8 @@ Status Journal::open(const std::string& folder, int shard, int shards) {
   char last = '\n';
   if (size > 0 && ::pread(fd_, &last, 1, size - 1) != 1) return cannot("read", path_, errno);
   if (last != '\n' && ::write(fd_, "\n", 1) != 1) return cannot("write", path_, errno);
-  // The name of a new file is on the disk when its folder is. Some file systems cannot say so; theirs is then.
+  // The name of a new file is on the disk when its folder is. Some file systems cannot say so; theirs is
+  // then.
   if (const int at = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); at >= 0) {
     (void)!::fsync(at);
     ::close(at);
@@ -252,8 +279,10 @@ Status Journal::append(const JournalEntry& entry) {
   int code = 0;
   while (done < line.size() && code == 0) {
     const ssize_t put = ::write(fd_, line.data() + done, line.size() - done);
-    if (put >= 0) done += static_cast<std::size_t>(put);
-    else if (errno != EINTR) code = errno;
+    if (put >= 0)
+      done += static_cast<std::size_t>(put);
+    else if (errno != EINTR)
+      code = errno;
   }
   if (code == 0 && ::fsync(fd_) != 0) code = errno;
   // A file that was removed or renamed meanwhile takes lines that nobody will find.

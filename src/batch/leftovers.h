@@ -7,8 +7,8 @@
 
 namespace overtet {
 
-// Removes, in a folder and below, the unfinished neighbours of these files (paths). Nothing else is touched, and
-// nobody must be writing these files.
+// Removes, in a folder and below, the unfinished neighbours of these files (paths). Nothing else is touched,
+// and nobody must be writing these files.
 void remove_leftovers(const std::string& folder, const std::set<std::string>& files);
 
 // The file that a name in the same folder is the unfinished neighbour of: of ".a.mesh.4711.0" and of

@@ -176,7 +176,8 @@ Result<std::vector<Model>> models_of(const std::string& manifest_or_folder, cons
   std::ifstream in(manifest_or_folder, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   if (!in || in.bad())
-    return Error{ErrorCode::io, "Cannot read " + manifest_or_folder + ": there is no such folder or manifest."};
+    return Error{ErrorCode::io,
+                 "Cannot read " + manifest_or_folder + ": there is no such folder or manifest."};
   return models_of_manifest(text, fs::path(manifest_or_folder).parent_path(), manifest_or_folder);
 }
 

@@ -35,7 +35,8 @@ void take(const nlohmann::json& from, const char* key, std::optional<T>& to) {
 // False where there is no report.
 bool read_report(const std::string& path, JournalEntry& e) {
   std::ifstream in(path, std::ios::binary);
-  const nlohmann::json report = nlohmann::json::parse(std::string{std::istreambuf_iterator<char>(in), {}}, nullptr, false);
+  const nlohmann::json report =
+      nlohmann::json::parse(std::string{std::istreambuf_iterator<char>(in), {}}, nullptr, false);
   if (!report.is_object() || !report.contains("status") || !report["status"].is_string()) return false;
   e.status = report["status"];
   if (const auto m = report.find("message"); m != report.end() && m->is_string()) e.message = *m;
@@ -69,7 +70,8 @@ Outcome outcome_of(const WorkerEnd& how, const std::string& report, JournalEntry
   }
   if (!how.exit_code) {
     e.status = "crashed";
-    e.message = "Signal " + std::to_string(how.signal) + " (" + ::strsignal(how.signal) + ") ended the process.";
+    e.message =
+        "Signal " + std::to_string(how.signal) + " (" + ::strsignal(how.signal) + ") ended the process.";
     if (const std::string said = last_words(how.printed); !said.empty()) e.message += " It had said: " + said;
     return outcome;
   }
@@ -80,7 +82,8 @@ Outcome outcome_of(const WorkerEnd& how, const std::string& report, JournalEntry
                : *how.exit_code == 0
                    ? name_of(RunStatus::failed)  // the report is as much a result as the mesh
                    : name_of(status_of(static_cast<ErrorCode>(*how.exit_code)));
-    if (e.message.empty()) e.message = "The process ended with code " + std::to_string(*how.exit_code) + " and said nothing.";
+    if (e.message.empty())
+      e.message = "The process ended with code " + std::to_string(*how.exit_code) + " and said nothing.";
   }
   // The words are this very program's own.
   outcome.memory_limit = *how.exit_code == static_cast<int>(ErrorCode::limit) && has(e.message, "memory");
@@ -110,7 +113,8 @@ const char* ending_of(TetFormat format) {
 }
 
 std::string as_utf8(const std::string& text) {
-  const std::string quoted = nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  const std::string quoted =
+      nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   return nlohmann::json::parse(quoted).get<std::string>();
 }
 

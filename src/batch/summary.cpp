@@ -60,12 +60,9 @@ Json spread(const std::vector<double>& values) {
   if (values.empty()) return nullptr;
   double sum = 0;
   for (const double x : values) sum += x;
-  return {{"count", values.size()},
-          {"sum", sum},
-          {"min", quantile(values, 0)},
-          {"median", quantile(values, .5)},
-          {"p95", quantile(values, .95)},
-          {"max", quantile(values, 1)}};
+  return {{"count", values.size()},       {"sum", sum},
+          {"min", quantile(values, 0)},   {"median", quantile(values, .5)},
+          {"p95", quantile(values, .95)}, {"max", quantile(values, 1)}};
 }
 
 std::map<std::string, std::int64_t> statuses_of(const BatchSummary& s) {
@@ -94,17 +91,16 @@ Result<BatchSummary> summarise(const std::vector<std::string>& journals_or_folde
       if (!read) return read.error();
       for (const std::int64_t line : read.value().wrong_lines)
         summary.notes.push_back(journal + ": line " + std::to_string(line) + " is no entry; it is skipped.");
-      for (JournalEntry& e : read.value().entries) {
-        const auto [at, is_new] = last.try_emplace(e.name);
-        if (is_new || e.ended >= at->second.ended) at->second = std::move(e);
-      }
+      add_last(std::move(read).value(), last);
     }
   }
   for (auto& [name, entry] : last) summary.models.push_back(std::move(entry));
   return summary;
 }
 
-double peak_mib(const JournalEntry& entry) { return std::ldexp(static_cast<double>(entry.peak_rss_bytes), -20); }
+double peak_mib(const JournalEntry& entry) {
+  return std::ldexp(static_cast<double>(entry.peak_rss_bytes), -20);
+}
 
 double quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0;
@@ -124,7 +120,8 @@ Histogram histogram(const std::vector<double>& values, bool logarithmic) {
   // Half decades, or about as many steps of 1, 2 or 5 times a power of ten.
   double step = .5;
   if (!logarithmic) {
-    step = std::pow(10, std::floor(std::log10(std::max(*high - *low, 1e-12) / kHistogramBars)));
+    step = std::pow(
+        10, std::floor(std::log10(std::max({*high - *low, 1e-3 * std::abs(*high), 1e-12}) / kHistogramBars)));
     for (const double factor : {2., 2.5, 2.})
       if ((*high - *low) / step > kHistogramBars) step *= factor;
   }
@@ -151,11 +148,11 @@ std::string to_text(const BatchSummary& s) {
   for (const double x : seconds) sum += x;
   for (const double x : cpu) cpu_sum += x;
   text += "time      " + plain(sum, 1) + " s in all, " + plain(cpu_sum, 1) + " s of CPU; a model: median " +
-          plain(quantile(seconds, .5), 2) + " s, 95 % below " + plain(quantile(seconds, .95), 2) + " s, worst " +
-          plain(quantile(seconds, 1), 1) + " s (" +
+          plain(quantile(seconds, .5), 2) + " s, 95 % below " + plain(quantile(seconds, .95), 2) +
+          " s, worst " + plain(quantile(seconds, 1), 1) + " s (" +
           largest_of(s, [](const auto& e) { return e.seconds; }).name + ")\n";
-  text += "memory    median " + plain(quantile(memory, .5), 0) + " MiB, 95 % below " + plain(quantile(memory, .95), 0) +
-          " MiB, worst " + plain(quantile(memory, 1), 0) + " MiB (" +
+  text += "memory    median " + plain(quantile(memory, .5), 0) + " MiB, 95 % below " +
+          plain(quantile(memory, .95), 0) + " MiB, worst " + plain(quantile(memory, 1), 0) + " MiB (" +
           largest_of(s, [](const auto& e) { return e.peak_rss_bytes; }).name + ")\n";
   const auto angles = values_of(s, [](const auto& e) { return e.dihedral_min; });
   double tets = 0;
@@ -171,7 +168,8 @@ std::string to_text(const BatchSummary& s) {
     if (shown++ == kShownModels) break;
     text += "  " + e.name + ": " + e.status + ": " + e.message + "\n";
   }
-  if (without > kShownModels) text += "  and " + std::to_string(without - kShownModels) + " more without a mesh\n";
+  if (without > kShownModels)
+    text += "  and " + std::to_string(without - kShownModels) + " more without a mesh\n";
   return text;
 }
 
@@ -215,7 +213,8 @@ std::string to_json(const BatchSummary& s) {
       {"statuses", statuses},
       {"seconds", spread(values_of(s, [](const auto& e) { return std::optional(e.seconds); }))},
       {"cpu_seconds", spread(values_of(s, [](const auto& e) { return std::optional(e.cpu_seconds); }))},
-      {"peak_rss_bytes", spread(values_of(s, [](const auto& e) { return std::optional(double(e.peak_rss_bytes)); }))},
+      {"peak_rss_bytes",
+       spread(values_of(s, [](const auto& e) { return std::optional(double(e.peak_rss_bytes)); }))},
       {"tets", spread(values_of(s, [](const auto& e) { return std::optional<double>(e.tets); }))},
       {"dihedral_min", spread(values_of(s, [](const auto& e) { return e.dihedral_min; }))}};
   j["models"] = Json::array();

@@ -1,4 +1,5 @@
-// What batches have done, from their journals: of all shards, and of all attempts, the last line of each model.
+// What batches have done, from their journals: of all shards, and of all attempts, the last line of each
+// model.
 #pragma once
 
 #include <string>

@@ -72,19 +72,21 @@ std::string chart(const std::string& title, const std::vector<double>& values, b
   const int most = *std::max_element(h.counts.begin(), h.counts.end());
   const double width = 320, height = 140, step = width / static_cast<double>(h.counts.size());
   char text[256];
-  std::string svg = "<figure><figcaption>" + escaped(title) +
-                    "</figcaption><svg role=\"img\" width=\"350\" height=\"180\" viewBox=\"-10 -16 350 180\"><title>" +
-                    escaped(title) + "</title>";
+  std::string svg =
+      "<figure><figcaption>" + escaped(title) +
+      "</figcaption><svg role=\"img\" width=\"350\" height=\"180\" viewBox=\"-10 -16 350 180\"><title>" +
+      escaped(title) + "</title>";
   for (std::size_t i = 0; i < h.counts.size(); ++i) {
     const double tall = height * h.counts[i] / most, left = step * static_cast<double>(i);
-    std::snprintf(text, sizeof text,
-                  "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\"><title>%s to %s: %d</title></rect>", left + 1,
-                  height - tall, std::max(1., step - 2), tall, shortest(h.limits[i]).c_str(),
-                  shortest(h.limits[i + 1]).c_str(), h.counts[i]);
+    std::snprintf(
+        text, sizeof text,
+        "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\"><title>%s to %s: %d</title></rect>",
+        left + 1, height - tall, std::max(1., step - 2), tall, shortest(h.limits[i]).c_str(),
+        shortest(h.limits[i + 1]).c_str(), h.counts[i]);
     svg += text;
     if (h.counts[i] > 0 && step > 14) {
-      std::snprintf(text, sizeof text, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%d</text>", left + step / 2,
-                    height - tall - 3, h.counts[i]);
+      std::snprintf(text, sizeof text, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%d</text>",
+                    left + step / 2, height - tall - 3, h.counts[i]);
       svg += text;
     }
   }
@@ -94,8 +96,8 @@ std::string chart(const std::string& title, const std::vector<double>& values, b
                   step * static_cast<double>(i), height + 14, shortest(h.limits[i]).c_str());
     svg += text;
   }
-  std::snprintf(text, sizeof text, "<line x1=\"0\" y1=\"%.0f\" x2=\"%.0f\" y2=\"%.0f\"/></svg></figure>\n", height, width,
-                height);
+  std::snprintf(text, sizeof text, "<line x1=\"0\" y1=\"%.0f\" x2=\"%.0f\" y2=\"%.0f\"/></svg></figure>\n",
+                height, width, height);
   return svg + text;
 }
 
@@ -108,21 +110,26 @@ std::vector<double> all(const BatchSummary& s, Value&& value) {
 }
 
 std::string charts(const BatchSummary& s) {
-  return "<div class=\"charts\">\n" + chart("Seconds a model", all(s, [](const auto& e) { return std::optional(e.seconds); }), true) +
+  return "<div class=\"charts\">\n" +
+         chart("Seconds a model", all(s, [](const auto& e) { return std::optional(e.seconds); }), true) +
          chart("Peak memory, MiB", all(s, [](const auto& e) { return std::optional(peak_mib(e)); }), true) +
-         chart("Faces of the surface", all(s, [](const auto& e) { return std::optional<double>(e.faces); }), true) +
+         chart("Faces of the surface", all(s, [](const auto& e) { return std::optional<double>(e.faces); }),
+               true) +
          chart("Tets", all(s, [](const auto& e) { return std::optional<double>(e.tets); }), true) +
-         chart("Smallest dihedral angle of a mesh, degrees", all(s, [](const auto& e) { return e.dihedral_min; }), false) +
+         chart("Smallest dihedral angle of a mesh, degrees",
+               all(s, [](const auto& e) { return e.dihedral_min; }), false) +
          "</div>\n";
 }
 
 std::string table(const BatchSummary& s) {
   std::string html = "<table><thead><tr>";
-  const std::pair<const char*, bool> columns[] = {{"model", false},     {"status", false},   {"seconds", true},
-                                                  {"CPU seconds", true}, {"peak MiB", true},  {"faces", true},
-                                                  {"tets", true},        {"smallest angle", true}, {"message", false}};
+  const std::pair<const char*, bool> columns[] = {
+      {"model", false},      {"status", false},        {"seconds", true},
+      {"CPU seconds", true}, {"peak MiB", true},       {"faces", true},
+      {"tets", true},        {"smallest angle", true}, {"message", false}};
   for (const auto& [name, is_number] : columns)
-    html += std::string("<th") + (is_number ? " class=\"number\"" : "") + "><button>" + name + "</button></th>";
+    html +=
+        std::string("<th") + (is_number ? " class=\"number\"" : "") + "><button>" + name + "</button></th>";
   html += "</tr></thead><tbody>\n";
   const auto number = [](const std::optional<double>& x, int digits) {
     char text[64] = "";
@@ -141,10 +148,11 @@ std::string table(const BatchSummary& s) {
 std::string to_html(const BatchSummary& s) {
   std::map<std::string, std::int64_t> statuses;
   for (const JournalEntry& e : s.models) ++statuses[e.status];
-  std::string html = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Overtet: a batch of " +
-                     std::to_string(s.models.size()) + " models</title><style>" + style + "</style></head><body>\n<h1>" +
-                     std::to_string(s.models.size()) + " models</h1>\n<p>" + escaped(listed(statuses)) + "</p>\n" +
-                     charts(s) + "<h2>Models</h2>\n<p>Press a heading to sort.</p>\n" + table(s);
+  std::string html =
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Overtet: a batch of " +
+      std::to_string(s.models.size()) + " models</title><style>" + style + "</style></head><body>\n<h1>" +
+      std::to_string(s.models.size()) + " models</h1>\n<p>" + escaped(listed(statuses)) + "</p>\n" +
+      charts(s) + "<h2>Models</h2>\n<p>Press a heading to sort.</p>\n" + table(s);
   for (const std::string& note : s.notes) html += "<p>" + escaped(note) + "</p>\n";
   return html + "<script>" + script + "</script></body></html>\n";
 }

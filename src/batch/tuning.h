@@ -8,7 +8,8 @@ namespace overtet {
 
 // Of the usable memory, for all workers together: the rest is for the batch itself and for others.
 constexpr double kSharedMemory = 0.9;
-// How much longer than its time limit a worker may live before it is killed: it keeps the limit itself within 5 %.
+// How much longer than its time limit a worker may live before it is killed: it keeps the limit itself within
+// 5 %.
 constexpr double kLateFactor = 1.1;
 constexpr double kLateSeconds = 3;
 // How long interrupted workers have to take back what they were writing: less than the two seconds that an

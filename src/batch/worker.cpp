@@ -23,7 +23,9 @@ Error cannot_start(int code) {
   return {ErrorCode::internal, std::string("Cannot start a process: ") + std::strerror(code) + "."};
 }
 
-double seconds(const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); }
+double seconds(const timeval& t) {
+  return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+}
 
 // In the child: what is called here must be safe after fork().
 [[noreturn]] void become(char* const* words, pid_t parent, int nowhere, int printed) {
@@ -80,7 +82,8 @@ Status Worker::start(const std::vector<std::string>& words, Clock::time_point la
   printed_ = ends[0];
   if (id_ < 0) return cannot_start(code);
   ::fcntl(printed_, F_SETFL, O_NONBLOCK);
-  process_ = static_cast<int>(::syscall(SYS_pidfd_open, id_, 0));  // -1 on old kernels: looks at the clock do, too
+  process_ =
+      static_cast<int>(::syscall(SYS_pidfd_open, id_, 0));  // -1 on old kernels: looks at the clock do, too
   return success();
 }
 
@@ -123,8 +126,10 @@ std::optional<WorkerEnd> Worker::ended() {
   id_ = -1;
   read_printed();
   WorkerEnd end;
-  if (WIFEXITED(status)) end.exit_code = WEXITSTATUS(status);
-  else end.signal = WTERMSIG(status);
+  if (WIFEXITED(status))
+    end.exit_code = WEXITSTATUS(status);
+  else
+    end.signal = WTERMSIG(status);
   end.killed_late = late_;
   end.seconds = std::chrono::duration<double>(Clock::now() - start_).count();
   end.cpu_seconds = seconds(usage.ru_utime) + seconds(usage.ru_stime);

@@ -63,12 +63,14 @@ std::vector<std::string> words_of(const BatchJob& job, const BatchCommand& comma
     words.emplace_back(limit);
   }
   if (job.memory_limit_bytes > 0)
-    words.push_back("--memory-limit=" + std::to_string(std::max<std::int64_t>(1, job.memory_limit_bytes >> 20)));
+    words.push_back("--memory-limit=" +
+                    std::to_string(std::max<std::int64_t>(1, job.memory_limit_bytes >> 20)));
   const std::string stem = job.report.substr(0, job.report.size() - std::string(".json").size());
   const std::string place = "{name}";
   for (const std::vector<std::string>* list : {&command.mesh_options, &job.model.options})
     for (std::string word : *list) {
-      for (std::size_t at = word.find(place); at != std::string::npos; at = word.find(place, at + stem.size()))
+      for (std::size_t at = word.find(place); at != std::string::npos;
+           at = word.find(place, at + stem.size()))
         word.replace(at, place.size(), stem);
       words.push_back(std::move(word));
     }
@@ -77,8 +79,11 @@ std::vector<std::string> words_of(const BatchJob& job, const BatchCommand& comma
 
 std::string clock_time(double seconds) {
   char text[64];
-  if (seconds < 600) std::snprintf(text, sizeof text, "%.1f s", seconds);
-  else std::snprintf(text, sizeof text, "%.0f h %02.0f min", std::floor(seconds / 3600), std::floor(seconds / 60) - 60 * std::floor(seconds / 3600));
+  if (seconds < 600)
+    std::snprintf(text, sizeof text, "%.1f s", seconds);
+  else
+    std::snprintf(text, sizeof text, "%.0f h %02.0f min", std::floor(seconds / 3600),
+                  std::floor(seconds / 60) - 60 * std::floor(seconds / 3600));
   return text;
 }
 
@@ -109,7 +114,8 @@ int summary(const BatchCommand& command, Terminal& terminal) {
   for (const auto& [path, writer] : files)
     if (!path->empty())
       if (Status s = write_text(*path, writer(made.value())); !s) return fail(terminal, s.error());
-  const bool printed = std::any_of(std::begin(files), std::end(files), [](const auto& f) { return *f.first == "-"; });
+  const bool printed =
+      std::any_of(std::begin(files), std::end(files), [](const auto& f) { return *f.first == "-"; });
   if (!printed) std::fputs(to_text(made.value()).c_str(), stdout);
   return std::fflush(stdout) == 0 ? 0 : fail(terminal, {ErrorCode::io, "Cannot write standard output."});
 }
@@ -126,7 +132,8 @@ Status check(const BatchCommand& c) {
       return wrong("--summary meshes nothing; --csv, --json and --html say what it writes.");
     return success();
   }
-  if (c.models.size() != 1) return wrong("Name one folder or manifest; a manifest can list the surfaces of several folders.");
+  if (c.models.size() != 1)
+    return wrong("Name one folder or manifest; a manifest can list the surfaces of several folders.");
   if (c.folder.empty()) return wrong("Name the folder of the results: -o FOLDER.");
   if (!c.csv.empty() || !c.json.empty() || !c.html.empty())
     return wrong("--csv, --json and --html are for --summary; --report writes JSON at the end of a batch.");
@@ -149,7 +156,8 @@ int run(const BatchCommand& command, const CommonOptions& common, Terminal& term
   options.cores = usable_cores();
   options.time_limit = common.time_limit;
   options.memory_limit_bytes = static_cast<std::int64_t>(std::min(common.memory_limit, 0x1p40) * 0x1p20);
-  options.usable_memory_bytes = static_cast<std::int64_t>(std::min<std::size_t>(usable_memory_bytes(), 1ull << 60));
+  options.usable_memory_bytes =
+      static_cast<std::int64_t>(std::min<std::size_t>(usable_memory_bytes(), 1ull << 60));
   options.resume = command.resume;
   options.options = command.mesh_options;
   options.options.insert(options.options.begin(), "--format=" + format);
@@ -181,8 +189,8 @@ int run(const BatchCommand& command, const CommonOptions& common, Terminal& term
     if (Status s = write_text(command.report, to_json(made.value())); !s) return fail(terminal, s.error());
   }
   const BatchCounts& c = done.value();
-  std::string text = options.folder + ": " + std::to_string(c.models) + (c.models == 1 ? " model: " : " models: ") +
-                     listed(c.statuses);
+  std::string text = options.folder + ": " + std::to_string(c.models) +
+                     (c.models == 1 ? " model: " : " models: ") + listed(c.statuses);
   if (c.skipped > 0) text += " (" + std::to_string(c.skipped) + " done before)";
   terminal.say(text + ", " + clock_time(c.seconds) + ".");
   return exit_code_of(c);

@@ -7,8 +7,9 @@
 
 namespace overtet {
 
-// The cores that the quotas of control groups allow, as a number with parts: of the groups in `groups` (a text
-// like /proc/self/cgroup) and all above them, both versions, mounted at `root` (/sys/fs/cgroup). None: no quota.
+// The cores that the quotas of control groups allow, as a number with parts: of the groups in `groups` (a
+// text like /proc/self/cgroup) and all above them, both versions, mounted at `root` (/sys/fs/cgroup). None:
+// no quota.
 std::optional<double> cores_of_quota(const std::string& groups, const std::string& root);
 
 // A whole number in the environment, if it is one and positive.
