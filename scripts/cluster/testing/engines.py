@@ -10,6 +10,7 @@ from .results import Snapshot, check_results, finished, lines_of
 
 CLUSTER = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..")
 SECONDS = 60  # that anything may take at most
+MEMORY = 900  # MiB of a job: a node of the test has 2000
 
 
 class Test:
@@ -127,7 +128,7 @@ def start_snakemake_on_slurm(slurm, test):
     submit = "sbatch --parsable --cpus-per-task={threads} --mem={resources.mem_mb} --output=/dev/null"
     process = test.start("snakemake", "-s", f"{CLUSTER}/Snakefile", "--jobs", "2", "--latency-wait", "20", "--retries", "1",
                          "--cluster", submit, "--cluster-status", f"{CLUSTER}/slurm_status", "--config",
-                         f"models={manifest}", f"out={test.out('some out')}", "shards=2", "threads=1", "mem_mb=900")
+                         f"models={manifest}", f"out={test.out('some out')}", "shards=2", "threads=1", f"mem_mb={MEMORY}")
 
     def running():
         jobs = [line.split() for line in slurm.ask("squeue", "-h", "-o", "%i %T %j").splitlines()]
@@ -143,13 +144,15 @@ def test_slurm(test):
         say(f"Slurm: {slurm.ask('sinfo', '--version').strip()}, nodes {' '.join(slurm.NODES)} on this machine")
         test.environment["SLURM_CONF"] = slurm.configuration
         submitted = run(os.path.join(CLUSTER, "slurm"), test.models, out, "--shards", str(shards), "--cpus-per-task=1",
-                        "--mem=900", "--time=10", env=test.environment, cwd=test.folder)
+                        f"--mem={MEMORY}", "--time=10", env=test.environment, cwd=test.folder)
         say(f"  {submitted.strip().splitlines()[-1]}")
         job = submitted.split("as job ")[1].split(",")[0]
         snapshots, (snakemake, names) = hurt(slurm, test, out, job, shards)
         wait_for("the summary", lambda: slurm.job(submitted.split("as job ")[2].split(".")[0])["JobState"] == "COMPLETED",
                  2 * SECONDS)
         say(f"  {test.check(out, snapshots)}")
+        if not all(0 < e["memory_limit_bytes"] <= MEMORY * 2**20 for e in finished(out)):
+            raise Failure(f"models were allowed more than the {MEMORY} MiB of the job")
         if not any(e["tries"] == 2 for e in finished(out, f"3/{shards}")):
             raise Failure("the journal of shard 3 does not say that a model was tried twice, whose worker was killed")
         if snakemake.wait(timeout=2 * SECONDS) != 0:
@@ -165,7 +168,7 @@ def test_slurm(test):
 def test_snakemake(test):
     out = test.out("snakemake out")
     command = ("snakemake", "-s", f"{CLUSTER}/Snakefile", "--cores", "2", "--retries", "1", "--rerun-incomplete",
-               "--config", f"models={test.models}", f"out={out}", "shards=3", "threads=1", "mem_mb=900")
+               "--config", f"models={test.models}", f"out={out}", "shards=3", "threads=1", f"mem_mb={MEMORY}")
     snakemake = test.start(*command)
     snapshots = kill_and_interrupt(test, snakemake, out, 3, goes_on=True)
     say("Snakemake: a shard killed (kill -9), which goes on by --retries; Ctrl-C")
