@@ -388,7 +388,7 @@ int parse_and_run(int argc, char** argv) {
       "overtet FILE -o OUTPUT is short for overtet mesh; overtet help COMMAND explains one.\n"
       "Exit codes: 0 done, 2 usage, 3 bad input, 4 unsolved (verify: the mesh is wrong), 5 infeasible (the "
       "report has a witness), 6 time or memory limit, 7 a file cannot be read or written, 70 internal error, "
-      "130 interrupted.");
+      "130 interrupted (143 by SIGTERM, 129 by SIGHUP).");
 
   CommonOptions common;
   MeshCommand mesh;
@@ -480,7 +480,7 @@ std::string with_hint(const Error& error) {
 
 int fail(Terminal& terminal, const Error& error) {
   terminal.error(with_hint(error));
-  return static_cast<int>(error.code);
+  return exit_code(error.code);
 }
 
 int run_command_line(int argc, char** argv) {
