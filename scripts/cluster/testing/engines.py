@@ -5,7 +5,7 @@ import subprocess
 import time
 
 from .local_slurm import LocalSlurm
-from .processes import Failure, batch_of, die_with_parent, hit_worker, hold, kill, run, wait_for, workers_of
+from .processes import Failure, batch_of, die_with_parent, hold, kill, run, stop_worker, wait_for, workers_of
 from .results import Snapshot, check_results, finished, lines_of
 
 CLUSTER = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..")
@@ -80,7 +80,7 @@ def kill_and_interrupt(test, engine, out, shards, goes_on):
     if interrupt_group(engine) == 0:
         raise Failure("the engine ended with 0 although it was interrupted")
     wait_for("no batch and no worker after Ctrl-C",
-             lambda: not any(os.path.exists(f"/proc/{pid}") for pid in batches + workers), 5)
+             lambda: not any(os.path.exists(f"/proc/{pid}") for pid in batches + workers), 20)
     return snapshots
 
 
@@ -100,11 +100,11 @@ def hurt(slurm, test, out, job, shards):
         say(f"  shard {shard}: {what}; requeued by {by}")
 
     # The first waits for Slurm to look at the time, on one node, while the other node has the rest.
-    hit_worker(half_done(1), signal.SIGSTOP)
+    stop_worker(half_done(1))
     slurm.ask("scontrol", "update", f"JobId={job}_1", "TimeLimit=1")
     kill([half_done(2)])
     requeued(2, "its batch killed (kill -9)", "slurm_job")
-    hit_worker(half_done(3), signal.SIGKILL)
+    kill(stop_worker(half_done(3)))
     say("  shard 3: a worker killed (kill -9); the batch tries its model again")
     half_done(4)
     slurm.ask("scontrol", "requeue", f"{job}_4")

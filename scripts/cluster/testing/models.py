@@ -6,7 +6,7 @@ from .processes import run
 
 SCRIPTS = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "..")
 KINDS = ("bend", "poke", "wave", "fan")  # of scripts/stress; many of `poke` and `wave` have no mesh
-WORMS = range(24, 52, 2)  # vertices around; about half a second each
+WORMS = range(20, 48, 2)  # vertices around; about half a second each
 
 
 def make_models(folder):
@@ -18,7 +18,7 @@ def make_models(folder):
     for name in os.listdir(folder):
         if name.endswith(".mesh"):  # of those that are surfaces of tets
             os.remove(os.path.join(folder, name))
-    with open(f"{folder}/worm_24.off", encoding="ascii") as f:
+    with open(f"{folder}/worm_20.off", encoding="ascii") as f:
         worm = f.read().splitlines()
     vertices, faces, _ = worm[1].split()
     bad = {

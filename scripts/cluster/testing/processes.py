@@ -100,15 +100,19 @@ def hold(pid):
     return state(pid) == "T"
 
 
-def hit_worker(batch, number):
-    """Sends a signal to the worker of a batch, and to what that has started. It may have ended just then: to the next one."""
-    def hit():
-        workers = [pid for pid in workers_of(batch) if state(pid) in ("R", "S", "D")]
-        kill(workers, number)
-        time.sleep(0.01)
-        return workers and all(state(pid) in ("T" if number == signal.SIGSTOP else ("", "Z")) for pid in workers)
+def stop_worker(batch):
+    """Lets a batch that was held go on, and stops its worker and what that has started: those processes."""
     kill([batch], signal.SIGCONT)
-    wait_for(f"a worker of process {batch}", hit, 20)
+
+    def stopped():
+        workers = workers_of(batch)
+        kill(workers, signal.SIGSTOP)
+        time.sleep(0.01)
+        states = {pid: state(pid) for pid in workers}
+        if not all(s in ("T", "Z", "") for s in states.values()):
+            return []
+        return [pid for pid, s in states.items() if s == "T"]  # none: it ended just then, and the next one will come
+    return wait_for(f"a worker of process {batch}", stopped, 20)
 
 
 def kill(pids, number=signal.SIGKILL):
