@@ -42,7 +42,12 @@ class Test:
 
     def check(self, out, snapshots):
         done = max(s.check() for s in snapshots)
-        return f"{check_results(out, self.wanted)}; of {done} done at the last interruption none was repeated"
+        seen = check_results(out, self.wanted)
+        before = finished(out)
+        run(self.program, "batch", self.models, "-o", out, "--resume")  # the whole list, after its shards
+        if finished(out) != before:
+            raise Failure(f"a batch of the whole list does again what its shards have done into {out}")
+        return f"{seen}; of {done} done at the last interruption none was repeated"
 
 
 def say(text):
