@@ -120,25 +120,26 @@ Result<Surface> read_surface(const std::string& path, SurfaceReadInfo* info_out,
   const ScopedThreads threads(context.threads > 0 ? context.threads : thread_cap());
   Result<std::string> file = read_file(path);
   if (!file) return file.error();
-  std::string& bytes = file.value();
+  SurfaceReadInfo local;
+  return parse_surface(path, std::move(file).value(), info_out ? *info_out : local);
+}
+
+Result<Surface> io_detail::parse_surface(const std::string& path, std::string bytes, SurfaceReadInfo& info) {
   const std::string name = file_name(path);
   if (bytes.empty()) return malformed(name, "the file is empty");
-
-  SurfaceReadInfo local;
-  SurfaceReadInfo& info = info_out ? *info_out : local;
   info = {};
+  const std::string folder = path == "-" ? "" : path.substr(0, path.size() - name.size());
   const Result<std::string> format = format_of(path, name, bytes, info);
   if (!format) return format.error();
   const std::string& kind = format.value();
   if (kind == "off" || kind == "obj" || kind == "stl" || (kind == "ply" && is_text_ply(bytes)))
     tidy_text(bytes);
   std::optional<Result<Polygons>> mesh = parse_mesh(kind, name, bytes, info);
-  Result<Polygons> parsed = mesh            ? *std::move(mesh)
-                            : kind == "off" ? parse_off(name, bytes, info)
-                            : kind == "ply" ? parse_ply(name, bytes, info)
-                            : kind == "stl" ? parse_ascii_stl(name, bytes, info)
-                            : kind == "gltf"
-                                ? parse_gltf(name, path.substr(0, path.size() - name.size()), bytes, info)
+  Result<Polygons> parsed = mesh             ? *std::move(mesh)
+                            : kind == "off"  ? parse_off(name, bytes, info)
+                            : kind == "ply"  ? parse_ply(name, bytes, info)
+                            : kind == "stl"  ? parse_ascii_stl(name, bytes, info)
+                            : kind == "gltf" ? parse_gltf(name, folder, bytes, info)
                             : kind == "bstl" ? parse_binary_stl(name, bytes, info)
                                              : parse_obj(name, bytes, info);
   if (!parsed) return parsed.error();
