@@ -9,6 +9,7 @@
 #include "src/io/names.h"
 #include "src/io/surface_parts.h"
 #include "src/io/text.h"
+#include "src/io/tuning.h"
 
 namespace overtet {
 
@@ -128,6 +129,7 @@ Result<Surface> io_detail::parse_surface(const std::string& path, std::string by
   const std::string name = file_name(path);
   if (bytes.empty()) return malformed(name, "the file is empty");
   info = {};
+  const std::size_t file_size = bytes.size();
   const std::string folder = path == "-" ? "" : path.substr(0, path.size() - name.size());
   const Result<std::string> format = format_of(path, name, bytes, info);
   if (!format) return format.error();
@@ -152,6 +154,14 @@ Result<Surface> io_detail::parse_surface(const std::string& path, std::string by
   Surface surface = triangulate(polygons, info.polygons, info.source.face);
   info.source.vertex_line = std::move(polygons.vertex_line);
   info.source.face_line = std::move(polygons.face_line);
+  std::size_t width = 0;
+  for (const Attribute& a : polygons.attributes.face_data) width += static_cast<std::size_t>(a.width);
+  if (info.polygons > 0 &&
+      static_cast<std::size_t>(surface.F.rows()) * width > kMostSpread / sizeof(double) * file_size) {
+    polygons.attributes.face_data.clear();
+    info.notes.push_back(
+        "The data of faces were left out: there are too many for triangles of such large faces.");
+  }
   spread_to_triangles(polygons.sizes, polygons.attributes);
   info.attributes = std::move(polygons.attributes);
   if (info.polygons > 0)

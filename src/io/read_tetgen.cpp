@@ -34,7 +34,8 @@ Status parse_tetgen_nodes(std::string_view name, std::string_view bytes, MeshPar
   for (std::int64_t v = 0; v < n; ++v) {
     if (!in.integer(number, "a node number")) return in.error();
     if (v == 0) first = number;
-    if (number != first + v) return malformed(name, "the nodes are not numbered consecutively");
+    if (first < -kMaxCount || first > kMaxCount || number != first + v)
+      return malformed(name, "the nodes are not numbered consecutively");
     for (int k = 0; k < 3; ++k)
       if (!in.real(out.xyz[static_cast<std::size_t>(3 * v + k)], "a node")) return in.error();
     in.next_line();

@@ -5,6 +5,7 @@
 #include "src/io/filled_file.h"
 #include "src/io/names.h"
 #include "src/io/surface_parts.h"
+#include "src/io/text.h"
 
 namespace overtet {
 
@@ -45,7 +46,7 @@ void write_obj(TextWriter& out, const Surface& s, const Labels& labels) {
       if (name == labels.names.end())
         out.number(labels.of[i]).end_line();
       else
-        out.text(name->second).end_line();
+        out.text(one_line(name->second)).end_line();
     }
     row(out, "f ", s.F(f, 0) + 1, s.F(f, 1) + 1, s.F(f, 2) + 1);
   }

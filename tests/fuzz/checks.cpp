@@ -132,7 +132,8 @@ void require(bool holds, const std::string& what) {
 
 void check_line(std::string_view text, const std::string& what) {
   for (const char c : text)
-    require(static_cast<unsigned char>(c) >= ' ' && c != 127, what + " has a control character: " + std::string(text));
+    require(static_cast<unsigned char>(c) >= ' ' && c != 127,
+            what + " has a control character: " + std::string(text));
 }
 
 void check_error(const Error& e) {
@@ -186,7 +187,9 @@ void check_round_trip(const Surface& s, const Labels& labels, std::uint64_t choi
   static constexpr struct {
     SurfaceFormat format;
     const char* path;
-  } formats[] = {{SurfaceFormat::off, "again.off"}, {SurfaceFormat::obj, "again.obj"}, {SurfaceFormat::ply, "again.ply"}};
+  } formats[] = {{SurfaceFormat::off, "again.off"},
+                 {SurfaceFormat::obj, "again.obj"},
+                 {SurfaceFormat::ply, "again.ply"}};
   const auto& [format, path] = formats[choice % 3];
   std::string bytes;
   TextWriter out(bytes);
@@ -205,8 +208,9 @@ void check_round_trip(const Surface& s, const Labels& labels, std::uint64_t choi
 }
 
 void check_round_trip(const LabelledTetMesh& mesh, std::uint64_t choice) {
-  static constexpr TetFormat formats[] = {TetFormat::medit,  TetFormat::gmsh22, TetFormat::gmsh41, TetFormat::vtu,
-                                          TetFormat::tetgen, TetFormat::abaqus, TetFormat::vtk};
+  static constexpr TetFormat formats[] = {TetFormat::medit, TetFormat::gmsh22, TetFormat::gmsh41,
+                                          TetFormat::vtu,   TetFormat::tetgen, TetFormat::abaqus,
+                                          TetFormat::vtk};
   const TetFormat format = formats[choice % std::size(formats)];
   const std::string name(name_of(format));
   const Result<LabelledTetMesh> read = read_back(written(mesh, format), format);

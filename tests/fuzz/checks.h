@@ -36,8 +36,8 @@ std::uint64_t mixed(std::string_view bytes);
 // The parts of bytes with a line "%" between them: so many, the last ones empty where there are fewer.
 std::vector<std::string_view> parts_of(std::string_view bytes, std::size_t count);
 
-// How much memory has been taken at a time since begin(), where a sanitizer counts it; a file may make Overtet
-// take some times its size.
+// How much memory has been taken at a time since begin(), where a sanitizer counts it; a file may make
+// Overtet take some times its size.
 class MemoryUse {
  public:
   MemoryUse();

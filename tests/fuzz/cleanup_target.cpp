@@ -9,11 +9,13 @@ namespace overtet::fuzz {
 
 namespace {
 
-// How many vertices there are, their coordinates, the corners of faces: a byte each. Coordinates are small whole
-// numbers, so that vertices coincide and faces lie in each other; some corners are out of range.
+// How many vertices there are, their coordinates, the corners of faces: a byte each. Coordinates are small
+// whole numbers, so that vertices coincide and faces lie in each other; some corners are out of range.
 Surface surface_of(std::string_view bytes) {
   constexpr std::size_t most_vertices = 16, most_faces = 32;
-  const auto byte = [&](std::size_t i) { return i < bytes.size() ? static_cast<unsigned char>(bytes[i]) : 0; };
+  const auto byte = [&](std::size_t i) {
+    return i < bytes.size() ? static_cast<unsigned char>(bytes[i]) : 0;
+  };
   Surface s;
   const std::size_t vertices = byte(0) % most_vertices + 1, first = 1 + 3 * vertices;
   const std::size_t faces = bytes.size() < first ? 0 : std::min((bytes.size() - first) / 3, most_faces);
@@ -34,8 +36,10 @@ void check_cleaned(const Surface& given, const CleanupOptions& options) {
   for (const Defect& d : c.defects) {
     check_line(d.message, "a defect");
     for (const DefectPlace& place : d.places) {
-      for (const Index v : place.vertices) require(v >= 0 && v < given.V.rows(), "a defect has a vertex that is not there");
-      for (const Index f : place.faces) require(f >= 0 && f < given.F.rows(), "a defect has a face that is not there");
+      for (const Index v : place.vertices)
+        require(v >= 0 && v < given.V.rows(), "a defect has a vertex that is not there");
+      for (const Index f : place.faces)
+        require(f >= 0 && f < given.F.rows(), "a defect has a face that is not there");
     }
   }
   check_line(c.summary(), "a summary");
@@ -43,11 +47,13 @@ void check_cleaned(const Surface& given, const CleanupOptions& options) {
   if (c.problem) return check_error(*c.problem);
   if (!options.allow_open) {
     const TopologyCheck topology = check_topology(c.surface);
-    require(topology.ok(), "what was cleaned needs cleaning: " +
-                               (topology.problems.empty() ? std::string("a face is there twice") : topology.problems[0]));
+    require(topology.ok(),
+            "what was cleaned needs cleaning: " +
+                (topology.problems.empty() ? std::string("a face is there twice") : topology.problems[0]));
   }
   const Result<Cleanup> again = clean_up(c.surface, options);
-  require(again.ok() && !again.value().problem && !again.value().changed(), "cleaning twice changes what cleaning once has made");
+  require(again.ok() && !again.value().problem && !again.value().changed(),
+          "cleaning twice changes what cleaning once has made");
 }
 
 }  // namespace

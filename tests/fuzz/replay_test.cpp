@@ -1,5 +1,5 @@
-// Runs the seeds of all targets, and the files with which fuzzing found something (found/, each named after what it
-// found), so that no such bug comes back.
+// Runs the seeds of all targets, and the files with which fuzzing found something (found/, each named after
+// what it found), so that no such bug comes back.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,11 +20,11 @@ using Target = std::pair<const char*, void (*)(std::string_view)>;
 #define OVERTET_FUZZ_TARGET(name) \
   Target { #name, name }
 const Target kTargets[] = {
-    OVERTET_FUZZ_TARGET(obj),     OVERTET_FUZZ_TARGET(off),    OVERTET_FUZZ_TARGET(ply),
-    OVERTET_FUZZ_TARGET(stl),     OVERTET_FUZZ_TARGET(gltf),   OVERTET_FUZZ_TARGET(medit),
-    OVERTET_FUZZ_TARGET(gmsh),    OVERTET_FUZZ_TARGET(vtk_xml), OVERTET_FUZZ_TARGET(vtk),
-    OVERTET_FUZZ_TARGET(abaqus),  OVERTET_FUZZ_TARGET(tetgen), OVERTET_FUZZ_TARGET(sizes),
-    OVERTET_FUZZ_TARGET(gzip),    OVERTET_FUZZ_TARGET(resume), OVERTET_FUZZ_TARGET(cleanup)};
+    OVERTET_FUZZ_TARGET(obj),    OVERTET_FUZZ_TARGET(off),     OVERTET_FUZZ_TARGET(ply),
+    OVERTET_FUZZ_TARGET(stl),    OVERTET_FUZZ_TARGET(gltf),    OVERTET_FUZZ_TARGET(medit),
+    OVERTET_FUZZ_TARGET(gmsh),   OVERTET_FUZZ_TARGET(vtk_xml), OVERTET_FUZZ_TARGET(vtk),
+    OVERTET_FUZZ_TARGET(abaqus), OVERTET_FUZZ_TARGET(tetgen),  OVERTET_FUZZ_TARGET(sizes),
+    OVERTET_FUZZ_TARGET(gzip),   OVERTET_FUZZ_TARGET(resume),  OVERTET_FUZZ_TARGET(cleanup)};
 #undef OVERTET_FUZZ_TARGET
 
 std::vector<std::filesystem::path> files_in(const std::string& folder) {
@@ -69,9 +69,9 @@ INSTANTIATE_TEST_SUITE_P(, Replay, testing::ValuesIn(kTargets),
 TEST(Fuzz, NoFilesWithoutTarget) {
   for (const std::string folder : {"/seeds", "/found"})
     for (const std::filesystem::path& path : files_in(OVERTET_FUZZ_FILES + folder))
-      EXPECT_TRUE(std::any_of(std::begin(kTargets), std::end(kTargets),
-                              [&](const Target& t) { return path.filename() == t.first; }))
-          << path;
+      EXPECT_TRUE(std::any_of(std::begin(kTargets), std::end(kTargets), [&](const Target& t) {
+        return path.filename() == t.first;
+      })) << path;
 }
 
 }  // namespace

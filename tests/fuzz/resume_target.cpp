@@ -63,10 +63,12 @@ void resume(std::string_view bytes) {
   static const Surface surface = input();
   const std::vector<std::string_view> files = parts_of(bytes, 3);
   std::string index(files[0]);  // "@": this version
-  if (const std::size_t at = index.find("\"@\""); at != std::string::npos) index.replace(at + 1, 1, version());
+  if (const std::size_t at = index.find("\"@\""); at != std::string::npos)
+    index.replace(at + 1, 1, version());
   folder.put("stages.json", index);
   const MemoryUse memory;
-  const Result<StageFiles> stages = StageFiles::open(folder.path(), "0123456789abcdef", UnitBox{{-1, -1, -1}});
+  const Result<StageFiles> stages =
+      StageFiles::open(folder.path(), "0123456789abcdef", UnitBox{{-1, -1, -1}});
   memory.check(bytes.size());
   if (!stages) return check_error(stages.error());
   if (stages.value().has("embedded")) {
@@ -75,8 +77,10 @@ void resume(std::string_view bytes) {
     if (!embedded) check_error(embedded.error());
   }
   folder.put("mapped.vtu", files[2]);
-  if (stages.value().has("mapped")) judge(stages.value().load_draft("mapped", 4), surface);
-  else judge(stages.value().load_mesh("mapped", 4), surface);
+  if (stages.value().has("mapped"))
+    judge(stages.value().load_draft("mapped", 4), surface);
+  else
+    judge(stages.value().load_mesh("mapped", 4), surface);
 }
 
 }  // namespace overtet::fuzz

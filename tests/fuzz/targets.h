@@ -1,5 +1,5 @@
-// What is fuzzed: a function for each target that takes the bytes of a file, as scripts/fuzz makes them up, reads
-// them and looks at what came out. One that returns has found nothing wrong.
+// What is fuzzed: a function for each target that takes the bytes of a file, as scripts/fuzz makes them up,
+// reads them and looks at what came out. One that returns has found nothing wrong.
 #pragma once
 
 #include <string_view>
