@@ -49,7 +49,7 @@ Result<StageFiles> StageFiles::open(const std::string& folder, const std::string
     return Error{ErrorCode::bad_input, index_of(folder) + " is not a record of saved stages."};
   if (j["version"].get<std::string>() != version())
     return Error{ErrorCode::bad_input, "The stages in " + folder + " come from Overtet " +
-                                           quoted(j["version"].get<std::string>()) + "; this is " +
+                                           overtet::quoted(j["version"].get<std::string>()) + "; this is " +
                                            version() + "."};
   if (j["input_hash"].get<std::string>() != input_hash)
     return Error{ErrorCode::bad_input, "The stages in " + folder + " belong to another input."};
