@@ -55,20 +55,21 @@ bool in_range(const Matrix& indices, Eigen::Index vertices) {
   return indices.size() == 0 || (indices.minCoeff() >= 0 && indices.maxCoeff() < vertices);
 }
 
-void check_list(std::size_t size, Eigen::Index items, bool may_be_empty, const std::string& what) {
-  require(size == static_cast<std::size_t>(items) || (may_be_empty && size == 0),
-          what + ": " + std::to_string(size) + " for " + std::to_string(items));
+void check_list(std::size_t size, Eigen::Index items, bool may_be_empty, const char* what) {
+  if (size != static_cast<std::size_t>(items) && !(may_be_empty && size == 0))
+    fail(std::string(what) + ": " + std::to_string(size) + " for " + std::to_string(items));
 }
 
-void check_data(const std::vector<Attribute>& list, Eigen::Index items, const std::string& what) {
+void check_data(const std::vector<Attribute>& list, Eigen::Index items, const char* what) {
   for (const Attribute& a : list) {
-    require(a.width >= 1, what + " without a width");
-    check_list(a.values.size(), items * a.width, false, what + " " + a.name);
+    require(a.width >= 1, "data without a width", a.name);
+    check_list(a.values.size(), items * a.width, false, what);
+    check_line(a.name, what);
   }
 }
 
-void check_names(const Labels& labels, const std::string& what) {
-  for (const auto& [label, name] : labels.names) check_line(name, "the name of a " + what);
+void check_names(const Labels& labels, const char* what) {
+  for (const auto& [label, name] : labels.names) check_line(name, what);
 }
 
 // The mesh in a format, as the bytes of its files.
@@ -124,25 +125,24 @@ Result<LabelledTetMesh> read_back(const Written& w, TetFormat format) {
 
 }  // namespace
 
-void require(bool holds, const std::string& what) {
-  if (holds) return;
+void fail(const std::string& what) {
   std::fprintf(stderr, "What must hold does not: %s\n", what.c_str());
   std::abort();
 }
 
-void check_line(std::string_view text, const std::string& what) {
+void check_line(std::string_view text, const char* what) {
   for (const char c : text)
-    require(static_cast<unsigned char>(c) >= ' ' && c != 127,
-            what + " has a control character: " + std::string(text));
+    if (static_cast<unsigned char>(c) < ' ' || c == 127)
+      fail(std::string(what) + " has a control character: " + std::string(text));
 }
 
 void check_error(const Error& e) {
   check_line(e.message, "an error");
   require(e.message.size() > 2 && e.message.back() == '.' && e.message[e.message.size() - 2] != '.',
-          "an error is no sentence: " + e.message);
-  require(e.message.size() < 600, "an error is too long: " + e.message);
+          "an error is no sentence", e.message);
+  require(e.message.size() < 600, "an error is too long", e.message);
   require(e.code == ErrorCode::bad_input || e.code == ErrorCode::usage || e.code == ErrorCode::io,
-          "an error has an odd code: " + e.message);
+          "an error has an odd code", e.message);
 }
 
 void check_surface(const Surface& s, const SurfaceReadInfo& info) {
@@ -157,8 +157,8 @@ void check_surface(const Surface& s, const SurfaceReadInfo& info) {
   check_list(info.source.face.size(), s.F.rows(), true, "source of faces");
   check_data(a.vertex_data, s.V.rows(), "data of vertices");
   check_data(a.face_data, s.F.rows(), "data of faces");
-  check_names(a.faces, "label");
-  check_names(a.solids, "solid");
+  check_names(a.faces, "the name of a label");
+  check_names(a.solids, "the name of a solid");
   check_line(info.format, "the format");
   for (const std::string& note : info.notes) check_line(note, "a note");
   check_line(info.source.vertex_name(static_cast<Index>(s.V.rows() - 1)), "a name of a vertex");
@@ -179,8 +179,8 @@ void check_mesh(const LabelledTetMesh& m) {
   check_list(a.input_vertex.size(), mesh.V.rows(), true, "input_vertex");
   check_data(a.vertex_data, mesh.V.rows(), "data of vertices");
   check_data(a.triangle_data, a.triangles.rows(), "data of triangles");
-  check_names(a.labels, "label");
-  check_names(a.regions, "region");
+  check_names(a.labels, "the name of a label");
+  check_names(a.regions, "the name of a region");
 }
 
 void check_round_trip(const Surface& s, const Labels& labels, std::uint64_t choice) {
@@ -197,13 +197,13 @@ void check_round_trip(const Surface& s, const Labels& labels, std::uint64_t choi
   require(out.finish().ok(), "writing to memory failed");
   SurfaceReadInfo info;
   const Result<Surface> again = io_detail::parse_surface(path, std::move(bytes), info);
-  require(again.ok(), std::string(path) + " is not read back: " + (again.ok() ? "" : again.error().message));
-  require(same_bits(again.value().V, s.V), std::string(path) + " has other vertices");
-  require(same_bits(again.value().F, s.F), std::string(path) + " has other faces");
+  if (!again) fail(std::string(path) + " is not read back: " + again.error().message);
+  require(same_bits(again.value().V, s.V), "other vertices were read back", path);
+  require(same_bits(again.value().F, s.F), "other faces were read back", path);
   check_surface(again.value(), info);
   const std::vector<Index>& of = info.attributes.faces.of;
   if (labels.of.empty()) return;
-  if (format != SurfaceFormat::obj) return require(of == labels.of, std::string(path) + " has other labels");
+  if (format != SurfaceFormat::obj) return require(of == labels.of, "other labels were read back", path);
   require(of.size() == labels.of.size(), "again.obj has other labels");
 }
 
@@ -212,18 +212,19 @@ void check_round_trip(const LabelledTetMesh& mesh, std::uint64_t choice) {
                                           TetFormat::vtu,   TetFormat::tetgen, TetFormat::abaqus,
                                           TetFormat::vtk};
   const TetFormat format = formats[choice % std::size(formats)];
-  const std::string name(name_of(format));
+  const std::string_view name = name_of(format);
   const Result<LabelledTetMesh> read = read_back(written(mesh, format), format);
-  require(read.ok(), name + " is not read back: " + (read.ok() ? "" : read.error().message));
+  if (!read) fail(std::string(name) + " is not read back: " + read.error().message);
   const LabelledTetMesh& again = read.value();
   check_mesh(again);
-  require(same_bits(again.mesh.V, mesh.mesh.V), name + " has other vertices");
-  require(same_bits(again.mesh.T, mesh.mesh.T), name + " has other tets");
+  require(same_bits(again.mesh.V, mesh.mesh.V), "other vertices were read back", name);
+  require(same_bits(again.mesh.T, mesh.mesh.T), "other tets were read back", name);
   if (!mesh.attributes.regions.of.empty())
-    require(again.attributes.regions.of == mesh.attributes.regions.of, name + " has other regions");
+    require(again.attributes.regions.of == mesh.attributes.regions.of, "other regions were read back", name);
   if (format == TetFormat::abaqus) return;  // which has only triangles that are faces of tets, each once
-  require(same_bits(again.attributes.triangles, mesh.attributes.triangles), name + " has other triangles");
-  require(again.attributes.labels.of == mesh.attributes.labels.of, name + " has other labels");
+  require(same_bits(again.attributes.triangles, mesh.attributes.triangles), "other triangles were read back",
+          name);
+  require(again.attributes.labels.of == mesh.attributes.labels.of, "other labels were read back", name);
 }
 
 void check_as_surface(const std::string& path, std::string_view bytes) {
@@ -275,8 +276,9 @@ MemoryUse::MemoryUse() {
 
 void MemoryUse::check(std::size_t file_size, std::size_t each) const {
   const auto most = static_cast<std::int64_t>((std::size_t{4} << 20) + each * file_size);
-  require(most_in_use <= most, "a file of " + std::to_string(file_size) + " bytes takes " +
-                                   std::to_string(most_in_use.load()) + " bytes of memory");
+  if (most_in_use > most)
+    fail("a file of " + std::to_string(file_size) + " bytes takes " + std::to_string(most_in_use.load()) +
+         " bytes of memory");
 }
 
 }  // namespace overtet::fuzz

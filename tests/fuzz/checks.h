@@ -11,12 +11,17 @@
 
 namespace overtet::fuzz {
 
-// Ends the program with the text where it does not hold.
-void require(bool holds, const std::string& what);
+// Ends the program with the text.
+[[noreturn]] void fail(const std::string& what);
+// The same where it does not hold. (No text is put together where it does: these are called millions of
+// times.)
+inline void require(bool holds, const char* what, std::string_view more = "") {
+  if (!holds) fail(std::string(what) + (more.empty() ? "" : ": ") + std::string(more));
+}
 
 // One sentence on one line, and a code that reading may have.
 void check_error(const Error& error);
-void check_line(std::string_view text, const std::string& what);
+void check_line(std::string_view text, const char* what);
 
 // Indices are in range, coordinates are finite, and all lists are as long as they should be.
 void check_surface(const Surface& surface, const SurfaceReadInfo& info);

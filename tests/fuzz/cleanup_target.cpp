@@ -52,7 +52,7 @@ void check_cleaned(const Surface& given, const CleanupOptions& options) {
   // (A triangle with two sides is closed and manifold; that it has no mesh is for the certificates to say.)
   require(topology.indices_valid && topology.finite && topology.closed && topology.manifold_edges &&
               topology.oriented && topology.manifold_vertices,
-          "what was cleaned needs cleaning: " + (topology.problems.empty() ? "" : topology.problems[0]));
+          "what was cleaned needs cleaning", topology.problems.empty() ? "" : topology.problems[0]);
   const Result<Cleanup> again = clean_up(c.surface, options);
   require(again.ok() && !again.value().problem && !again.value().changed(),
           "cleaning twice changes what cleaning once has made");
