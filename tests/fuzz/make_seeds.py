@@ -247,6 +247,21 @@ def others():
     put("cleanup", "inward", bytes([3]) + bytes(c for p in POINTS for c in p) + bytes(v for a, b, c in FACES for v in (a, c, b)))
 
 
+def batches():
+    entry = {"journal": 1, "name": "a/b", "sha256": "00ff", "options": ["--improve", "20"], "version": "0.1.0", "input": "/x/b.obj", "input_bytes": 12,
+             "status": "exact", "exit_code": 0, "message": "", "outputs": [{"file": "a/b.mesh", "bytes": 9}], "seconds": 1.5, "cpu_seconds": 2.25,
+             "peak_rss_bytes": 1048576, "threads": 2, "tries": 1, "time_limit": 0, "memory_limit_bytes": 0, "vertices": 4, "faces": 4, "tets": 1,
+             "dihedral_min": 54.7, "dihedral_p01": 54.7, "result_hash": "0123", "host": "h", "shard": "", "ended": "2026-11-30T18:00:00Z"}
+    other = dict(entry, name="c", status="crashed", exit_code=None, message="a signal", outputs=[], vertices=None, faces=None, tets=None,
+                 dihedral_min=None, dihedral_p01=None, shard="2/20", seconds=1e-3)
+    lines = [json.dumps(e, separators=(",", ":")) for e in (entry, other, dict(other, status="infeasible", exit_code=5, ended="2026-11-30T19:00:00Z"))]
+    put("journal", "three", "".join(line + "\n" for line in lines))
+    put("journal", "cut", lines[0] + "\n" + lines[1][:100])
+    put("manifest", "plain", "# models\na.obj\n\nfolder/b.off\n../c.ply.gz\n/abs/d.stl\na.off\n")
+    put("manifest", "json", '{"input": "scans/hand 3.obj", "output": "hands/3", "options": ["--improve", "20"]}\n{"input": "a\\nb.obj"}\nx.obj\nx.obj\n')
+    put("manifest", "wrong", '{"input": 3}\n')
+
+
 if __name__ == "__main__":
     if len(sys.argv) != 2:
         sys.exit(__doc__)
@@ -256,3 +271,4 @@ if __name__ == "__main__":
     vtk()
     written(sys.argv[1])
     others()
+    batches()

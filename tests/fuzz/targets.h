@@ -27,6 +27,9 @@ void sizes(std::string_view bytes);
 void gzip(std::string_view bytes);
 // Saved stages: stages.json, a surface and a tet mesh, with a line "%" between them.
 void resume(std::string_view bytes);
+// What a batch writes and reads: its journal, as text and as a summary; a list of models.
+void journal(std::string_view bytes);
+void manifest(std::string_view bytes);
 // A raw surface, three bytes a vertex and three a face (cleanup_target.cpp): clean-up, topology.
 void cleanup(std::string_view bytes);
 
