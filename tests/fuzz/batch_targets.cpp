@@ -14,7 +14,8 @@ void journal(std::string_view bytes) {
   const JournalContents contents = journal_of(text);
   for (const JournalEntry& e : contents.entries) {
     const std::string line = to_line(e);
-    require(std::count(line.begin(), line.end(), '\n') == 1 && line.back() == '\n', "an entry is not one line", line);
+    require(std::count(line.begin(), line.end(), '\n') == 1 && line.back() == '\n',
+            "an entry is not one line", line);
     const std::optional<JournalEntry> again = entry_of(line);
     require(again.has_value(), "an entry is not read back", line);
     require(to_line(*again) == line, "another entry is read back", line);
@@ -31,7 +32,8 @@ void journal(std::string_view bytes) {
 }
 
 void manifest(std::string_view bytes) {
-  const Result<std::vector<Model>> models = models_of_manifest(std::string(bytes), "/no/such/folder", "list.txt");
+  const Result<std::vector<Model>> models =
+      models_of_manifest(std::string(bytes), "/no/such/folder", "list.txt");
   if (!models) return check_error(models.error());
   std::set<std::string> names;
   for (const Model& m : models.value()) {
