@@ -22,19 +22,21 @@ struct Tag {
   std::string_view attributes;
   std::string_view text;  // what follows, up to the next tag
 
+  // Attribute by attribute: a value may have in it what looks like another one.
   std::string_view attribute(std::string_view key) const {
-    for (std::size_t at = attributes.find(key); at != std::string_view::npos;
-         at = attributes.find(key, at + 1)) {
-      if (at > 0 && static_cast<unsigned char>(attributes[at - 1]) > ' ') continue;
-      std::size_t p = at + key.size();
-      while (p < attributes.size() && static_cast<unsigned char>(attributes[p]) <= ' ') ++p;
-      if (p >= attributes.size() || attributes[p] != '=') continue;
-      const std::size_t open = attributes.find_first_of("\"'", p);
-      if (open == std::string_view::npos) return "";
-      const std::size_t close = attributes.find(attributes[open], open + 1);
-      return close == std::string_view::npos ? "" : attributes.substr(open + 1, close - open - 1);
+    std::string_view rest = attributes;
+    for (;;) {
+      const std::size_t begin = rest.find_first_not_of(" \t\r\n/");
+      if (begin == std::string_view::npos) return "";
+      rest.remove_prefix(begin);
+      const std::string_view name = rest.substr(0, rest.find_first_of("= \t\r\n"));
+      const std::size_t open = rest.find_first_not_of("= \t\r\n", name.size());
+      if (open == std::string_view::npos || (rest[open] != '"' && rest[open] != '\'')) return "";
+      const std::size_t close = rest.find(rest[open], open + 1);
+      if (close == std::string_view::npos) return "";
+      if (name == key) return rest.substr(open + 1, close - open - 1);
+      rest.remove_prefix(close + 1);
     }
-    return "";
   }
 };
 
