@@ -72,7 +72,7 @@ bool read_corner(TextCursor& in, std::string_view corner, std::int64_t face, std
   if (code != std::errc() || stop != number.data() + number.size())
     return in.fail(quoted(corner) + " does not name a vertex" + which());
   if (v == 0) return in.fail("there is no vertex 0; OBJ numbers vertices from 1" + which());
-  if (vertices + v < 0)
+  if (v < -vertices)
     return in.fail("there are fewer than " + std::string(number.substr(1)) + " vertices before this line" +
                    which());
   return true;
