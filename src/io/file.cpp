@@ -298,9 +298,12 @@ Status OutputProbe::open(const std::string& path) {
   return opened;
 }
 
-void TextWriter::flush() {
-  if (status_.ok()) status_ = file_.write(buffer_.bytes_);
-  buffer_.bytes_.clear();
+void TextWriter::pass_on(TextBuffer& block) {
+  if (memory_)
+    memory_->append(block.bytes_);
+  else if (status_.ok())
+    status_ = file_->write(block.bytes_);
+  block.bytes_.clear();
 }
 
 Status TextWriter::finish() {

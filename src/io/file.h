@@ -96,10 +96,11 @@ class TextBuffer {
   std::string bytes_;
 };
 
-// Text for an AtomicFile.
+// Text for an AtomicFile, or for a string.
 class TextWriter {
  public:
-  explicit TextWriter(AtomicFile& file) : file_(file) {}
+  explicit TextWriter(AtomicFile& file) : file_(&file) {}
+  explicit TextWriter(std::string& memory) : memory_(&memory) {}
 
   TextWriter& text(std::string_view s) {
     buffer_.text(s);
@@ -126,8 +127,7 @@ class TextWriter {
                      for (std::int64_t i = begin; i < end; ++i) line(block, done + i);
                    });
       for (TextBuffer& block : blocks) {
-        if (status_.ok()) status_ = file_.write(block.bytes_);
-        block.bytes_.clear();
+        pass_on(block);
       }
     }
     return *this;
@@ -146,9 +146,11 @@ class TextWriter {
     if (buffer_.bytes_.size() >= kBuffer) flush();
     return *this;
   }
-  void flush();
+  void flush() { pass_on(buffer_); }
+  void pass_on(TextBuffer& block);
 
-  AtomicFile& file_;
+  AtomicFile* file_ = nullptr;
+  std::string* memory_ = nullptr;
   TextBuffer buffer_;
   Status status_ = success();
 };

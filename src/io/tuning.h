@@ -17,6 +17,13 @@ constexpr std::size_t kBuffer = 1 << 20;
 // (quadratic), beyond them it becomes a fan.
 constexpr std::size_t kBestEarCorners = 64, kMaxEarCorners = 1024;
 
+// Bytes of the name of a label, an array or a solid: longer ones are cut. Each label may have its own, made
+// of the names of what it belongs to, so that without a limit names could take the square of a file's size.
+constexpr std::size_t kLongestName = 1000;
+// Bytes of data of triangles for each byte of the file: a polygon's data are given to each of its triangles,
+// which for a polygon of thousands of corners with hundreds of numbers is more than anyone wants.
+constexpr std::size_t kMostSpread = 64;
+
 // Characters that a number in an Abaqus file may have: CalculiX reads no more.
 constexpr std::size_t kMostCharacters = 20;
 
