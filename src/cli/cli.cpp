@@ -403,6 +403,11 @@ int fail(Terminal& terminal, const Error& error) {
   return exit_code(error.code);
 }
 
+int fail(Watchdog& watchdog, Terminal& terminal, const Error& error) {
+  watchdog.settle(error.code);
+  return fail(terminal, error);
+}
+
 int run_command_line(int argc, char** argv) {
   try {
     return parse_and_run(argc, argv);

@@ -187,23 +187,18 @@ Result<std::vector<double>> sizes_of(const InputSurface& input, const std::strin
   return sizes;
 }
 
-// Reads, meshes and writes; `dismiss` is called when everything that takes long is over: a file that has its
-// name already is not taken back. What there is to tell is in the report, whatever happens.
+// Reads, meshes and writes. What there is to tell is in the report, whatever happens.
 Result<Meshing> make_mesh(const MeshCommand& command, TetFormat format, const RunContext& context,
-                          Terminal& terminal, const std::function<void()>& dismiss, Report& report) {
+                          Terminal& terminal, Watchdog& watchdog, Report& report) {
   context.report("read", 0);
   StageRecord read, labelled, written;
   const Result<InputSurface> loaded =
       timed("read", read, [&] { return load(command.input, command.clean, context, terminal); });
   report.stages = {read};
-  if (!loaded) {
-    dismiss();
-    return loaded.error();
-  }
+  if (!loaded) return loaded.error();
   const InputSurface& input = loaded.value();
   if (input.cleanup.problem) {
     tell(input, report);
-    dismiss();
     return *input.cleanup.problem;
   }
   MeshingOptions options = meshing_options(command);
@@ -211,7 +206,6 @@ Result<Meshing> make_mesh(const MeshCommand& command, TetFormat format, const Ru
     Result<std::vector<double>> sizes = sizes_of(input, command.sizes.file);
     if (!sizes) {
       tell(input, report);
-      dismiss();
       return sizes.error();
     }
     options.sizes.at_vertex = std::move(sizes).value();
@@ -219,10 +213,7 @@ Result<Meshing> make_mesh(const MeshCommand& command, TetFormat format, const Ru
   Result<Meshing> made = tetrahedralize(input.surface(), options, context, &report);
   report.stages.insert(report.stages.begin(), read);
   tell(input, report);
-  if (!made) {
-    dismiss();
-    return input.in_file(made.error());
-  }
+  if (!made) return input.in_file(made.error());
   if (interrupt_flag()) return Error{ErrorCode::interrupted, "Interrupted; nothing was written."};
   context.report("label", 0);
   const LabelledSurface of = surface_of(input, made.value());
@@ -233,7 +224,6 @@ Result<Meshing> make_mesh(const MeshCommand& command, TetFormat format, const Ru
     return mesh_attributes(of.surface, of.attributes, made.value().mesh, wanted, context);
   });
   report.stages.push_back(labelled);
-  dismiss();
   if (!attributes) return attributes.error();
   context.report("write", 0);
   const auto write = [&]() -> Status {
@@ -244,7 +234,7 @@ Result<Meshing> make_mesh(const MeshCommand& command, TetFormat format, const Ru
           !s)
         return s;
     return write_tets(command.output, made.value().mesh, attributes.value(), {format, command.order},
-                      context);
+                      watchdog.writing(context));
   };
   if (Status s = timed("write", written, write); !s) return s.error();
   report.stages.push_back(written);
@@ -298,7 +288,7 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
   const auto seconds = [&] {
     return std::chrono::duration<double>(RunContext::Clock::now() - common.start).count();
   };
-  Watchdog watchdog(context.deadline, context.memory_limit_bytes, [&](const Error& error) {
+  Watchdog watchdog(context, common.start, [&](const Error& error) {
     terminal.error(with_hint(error));
     if (error.code == ErrorCode::interrupted) return;
     Report late;  // what the stages were doing is theirs; this thread only knows the options
@@ -310,8 +300,8 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
   });
 
   Report report;
-  const Result<Meshing> made = make_mesh(
-      command, format.value(), context, terminal, [&] { watchdog.dismiss(); }, report);
+  const Result<Meshing> made = make_mesh(command, format.value(), context, terminal, watchdog, report);
+  if (!made) watchdog.settle(made.error().code);
   report.options = options;
   report.seconds = seconds();
   if (!made) report.status = status_of(made.error().code);

@@ -82,12 +82,12 @@ Result<Prepared> prepared(const PrepareCommand& command, SurfaceFormat format, c
   const Cleanup& result = out.preparation.result;
   if (const std::string done = result.summary(); !done.empty()) terminal.say(done);
   for (const PrepareRecord& step : out.preparation.steps) terminal.say(step.message);
-  watchdog.dismiss();
   if (result.surface.F.rows() == 0)
     return Error{ErrorCode::bad_input, "No face is left, and nothing was written."};
-  if (interrupt_flag()) return Error{ErrorCode::interrupted, "Interrupted; nothing was written."};
   const SurfaceAttributes attributes = attributes_of(out);
-  if (Status s = write_surface(command.output, result.surface, format, context, &attributes.faces); !s)
+  if (Status s =
+          write_surface(command.output, result.surface, format, watchdog.writing(context), &attributes.faces);
+      !s)
     return s.error();
   if (!command.save_map.empty())
     if (Status s = write_text(command.save_map, map_text(out)); !s) return s.error();
@@ -183,9 +183,9 @@ int run(const PrepareCommand& command, const CommonOptions& common, Terminal& te
   OutputAndReport probes;
   if (Status s = probes.open(command.output, command.report); !s) return fail(terminal, s.error());
   const RunContext context = common.context(terminal);
-  Watchdog watchdog(context.deadline, context.memory_limit_bytes,
-                    [&](const Error& error) { terminal.error(with_hint(error)); });
+  Watchdog watchdog(context, common.start, [&](const Error& error) { terminal.error(with_hint(error)); });
   const Result<Prepared> result = prepared(command, format.value(), context, terminal, watchdog);
+  if (!result) watchdog.settle(result.error().code);
   terminal.clear();
   const std::string message = result ? message_of(command, result.value()) : with_hint(result.error());
   const bool interrupted = !result && result.error().code == ErrorCode::interrupted;

@@ -33,11 +33,9 @@ Result<SurfaceRepair> repaired_surface(const RepairCommand& command, SurfaceForm
     repaired = repair_surface(input.surface(), options, context, &report);
   }
   tell(input, report);
-  watchdog.dismiss();
   if (!repaired) return input.in_file(repaired.error());
-  if (interrupt_flag()) return Error{ErrorCode::interrupted, "Interrupted; nothing was written."};
-  if (Status s =
-          write_surface(command.output, repaired.value().surface, format, context, &input.attributes.faces);
+  if (Status s = write_surface(command.output, repaired.value().surface, format, watchdog.writing(context),
+                               &input.attributes.faces);
       !s)
     return s.error();
   return repaired;
@@ -79,11 +77,11 @@ int run(const RepairCommand& command, const CommonOptions& common, Terminal& ter
   OutputAndReport probes;
   if (Status s = probes.open(command.output, command.report); !s) return fail(terminal, s.error());
   const RunContext context = common.context(terminal);
-  Watchdog watchdog(context.deadline, context.memory_limit_bytes,
-                    [&](const Error& error) { terminal.error(with_hint(error)); });
+  Watchdog watchdog(context, common.start, [&](const Error& error) { terminal.error(with_hint(error)); });
   Report report;
   const Result<SurfaceRepair> repaired =
       repaired_surface(command, format.value(), context, terminal, watchdog, report);
+  if (!repaired) watchdog.settle(repaired.error().code);
   finish(report, command, common, repaired);
   terminal.clear();
   const bool interrupted = !repaired && repaired.error().code == ErrorCode::interrupted;

@@ -2,16 +2,19 @@
 
 #include <poll.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <limits>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "overtet/io.h"
-#include "overtet/run_context.h"
 #include "src/cli/tuning.h"
 
 namespace overtet {
@@ -33,11 +36,18 @@ extern "C" void on_signal(int signal) {
   _exit(code);
 }
 
-// Ends the program whatever state it is in. Takes no locks that others hold for long, waits for nobody.
+// Where a watchdog has begun to end the program: until when, as a count of the clock, and with which code.
+std::atomic<std::int64_t> end_by{std::numeric_limits<std::int64_t>::max()};
+std::atomic<int> end_with{0};
+
+// Ends the program whatever state it is in: a watchdog, too, may wait for who is blocked in a write to a pipe
+// that is not read. Takes no locks that others hold for long, waits for nobody.
 void end_when_stuck() {
   using Clock = std::chrono::steady_clock;
   std::optional<Clock::time_point> since;
-  for (;; std::this_thread::sleep_for(kWatchPeriod)) {
+  for (;; std::this_thread::sleep_for(kLastPeriod)) {
+    if (Clock::now().time_since_epoch().count() > end_by.load(std::memory_order_acquire))
+      end_at_once(end_with.load(std::memory_order_relaxed));
     if (!interrupted) continue;
     if (!since) since = Clock::now();
     if (Clock::now() - *since <= kLastGrace) continue;
@@ -46,6 +56,21 @@ void end_when_stuck() {
     if (poll(&error, 1, 0) == 1 && (error.revents & POLLOUT) != 0)
       (void)!::write(STDERR_FILENO, words.data(), words.size());
     end_at_once(exit_code(ErrorCode::interrupted));
+  }
+}
+
+std::size_t peak_of_this_process() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
+}
+
+// Those of every thread of this process; they die with it, but not before.
+void kill_children() {
+  for (const auto& task : std::filesystem::directory_iterator(
+           "/proc/self/task", std::filesystem::directory_options::skip_permission_denied)) {
+    std::ifstream children(task.path() / "children");
+    for (pid_t child; children >> child;) ::kill(child, SIGKILL);
   }
 }
 
@@ -88,54 +113,118 @@ void install_signal_handlers() {
   std::call_once(once, [] { quiet_thread(end_when_stuck).detach(); });
 }
 
-Watchdog::Watchdog(Clock::time_point deadline, std::size_t memory_limit,
-                   std::function<void(const Error&)> late)
-    : deadline_(deadline), memory_limit_(memory_limit), late_(std::move(late)) {
+Watchdog::Watchdog(const RunContext& context, Clock::time_point start, std::function<void(const Error&)> late)
+    : deadline_(context.deadline), memory_limit_(context.memory_limit_bytes), late_(std::move(late)) {
+  if (deadline_ != Clock::time_point::max()) {
+    const auto limit = std::chrono::duration<double>(std::max(deadline_ - start, Clock::duration(0)));
+    grace_ = std::chrono::duration_cast<Clock::duration>(
+        std::min<std::chrono::duration<double>>(kTimeOver * limit, kMostTimeOver));
+  }
   thread_ = quiet_thread([this] { watch(); });
 }
 
-void Watchdog::dismiss() {
+Watchdog::~Watchdog() {
+  (void)leave(State::finished);
   {
     const std::lock_guard lock(mutex_);
     dismissed_ = true;
   }
   wake_.notify_all();
-  if (thread_.joinable()) thread_.join();
+  thread_.join();
+}
+
+bool Watchdog::leave(State to) {
+  State state = State::running;
+  if (state_.compare_exchange_strong(state, to)) return true;
+  while (state == State::ending) ::pause();  // another thread is ending the program
+  return false;
+}
+
+bool Watchdog::finish() {
+  if (state_ == State::finished) return true;
+  if (interrupted || Clock::now() >= deadline_) return false;
+  // What came and went between two looks.
+  if (memory_limit_ > 0 && peak_of_this_process() > most_memory()) {
+    end(memory_error());
+    (void)leave(State::finished);
+  }
+  (void)leave(State::finished);
+  return state_ == State::finished;
+}
+
+void Watchdog::settle(ErrorCode code) {
+  settled_ = exit_code(code);
+  (void)leave(State::settled);
+}
+
+RunContext Watchdog::writing(RunContext context) {
+  context.may_name = [this] { return finish(); };
+  return context;
+}
+
+void Watchdog::end(const Error& error) {
+  State state = State::running;
+  if (!state_.compare_exchange_strong(state, State::ending)) return;
+  const int code = exit_code(error.code);
+  end_with = code;
+  end_by.store((Clock::now() + std::min<Clock::duration>(grace_ / 2, kLateTime)).time_since_epoch().count(),
+               std::memory_order_release);
+  if (error.reason == ErrorReason::memory_limit) kill_children();
+  try {
+    late_(error);
+  } catch (...) {  // for want of memory: the exit code says enough
+  }
+  end_at_once(code);
+}
+
+Error Watchdog::memory_error() const {
+  return {.code = ErrorCode::limit,
+          .message = "The memory limit of " + std::to_string(memory_limit_ >> 20) + " MiB was reached.",
+          .reason = ErrorReason::memory_limit};
+}
+
+// More is in use than allowed, for a while or by too much.
+bool Watchdog::is_full(std::size_t used) {
+  if (memory_limit_ == 0 || used <= memory_limit_) {
+    full_since_ = Clock::time_point::max();
+    return false;
+  }
+  if (full_since_ == Clock::time_point::max()) full_since_ = Clock::now();
+  return used > most_memory() || Clock::now() - full_since_ > kGrace;
 }
 
 void Watchdog::watch() {
   std::unique_lock lock(mutex_);
-  auto interrupted_at = Clock::time_point::max(), full_at = Clock::time_point::max();
+  auto interrupted_at = Clock::time_point::max();
   const auto longer = [](Clock::time_point since, Clock::duration grace) {
     return since != Clock::time_point::max() && Clock::now() > since && Clock::now() - since > grace;
   };
+  std::size_t used = 0;
   // Nothing is ended before some time has passed, so there is nothing to look at in the beginning.
-  while (!wake_.wait_for(lock, kWatchPeriod, [this] { return dismissed_; })) {
+  const auto pause = [&] {
+    Clock::duration next = kWatchPeriod;
+    if (memory_limit_ > 0)
+      next = std::min<Clock::duration>(next, look_again_after(most_memory() - std::min(used, most_memory())));
+    if (deadline_ != Clock::time_point::max())
+      next = std::min(next, std::max<Clock::duration>(deadline_ - Clock::now() + grace_, kLeastPause));
+    return next;
+  };
+  while (!wake_.wait_for(lock, pause(), [this] { return dismissed_; })) {
+    if (state_ == State::settled && longer(deadline_, grace_ + grace_ / 2)) end_at_once(settled_);
+    if (state_ != State::running) continue;
     if (!interrupted)
       interrupted_at = Clock::time_point::max();
     else if (interrupted_at == Clock::time_point::max())
       interrupted_at = Clock::now();
-    if (memory_limit_ == 0 || tree_resident_bytes() <= memory_limit_)
-      full_at = Clock::time_point::max();
-    else if (full_at == Clock::time_point::max())
-      full_at = Clock::now();
-
-    std::optional<Error> end;
+    used = memory_limit_ > 0 ? tree_resident_bytes() : 0;
     if (longer(interrupted_at, kGrace))
-      end = Error{ErrorCode::interrupted, "Interrupted; nothing was written."};
-    else if (longer(deadline_, kLastGrace))
-      end = Error{.code = ErrorCode::limit,
-                  .message = "The time limit was reached.",
-                  .reason = ErrorReason::time_limit};
-    else if (longer(full_at, kGrace))
-      end =
-          Error{.code = ErrorCode::limit,
-                .message = "The memory limit of " + std::to_string(memory_limit_ >> 20) + " MiB was reached.",
-                .reason = ErrorReason::memory_limit};
-    if (end) {
-      late_(*end);
-      end_at_once(exit_code(end->code));
-    }
+      end({ErrorCode::interrupted, "Interrupted; nothing was written."});
+    else if (longer(deadline_, grace_))
+      end({.code = ErrorCode::limit,
+           .message = "The time limit was reached.",
+           .reason = ErrorReason::time_limit});
+    else if (is_full(used))
+      end(memory_error());
   }
 }
 

@@ -8,6 +8,9 @@
 #include <limits>
 #include <string>
 
+#include "kernels/core/tuning.h"
+#include "src/run/tuning.h"
+
 namespace overtet {
 
 namespace {
@@ -45,6 +48,12 @@ std::optional<Error> RunContext::stop() const {
   return std::nullopt;
 }
 
+std::optional<Error> RunContext::no_name() const {
+  if (!may_name || may_name()) return std::nullopt;
+  if (auto why = stop()) return why;
+  return Error{ErrorCode::interrupted, "Interrupted; nothing was written."};
+}
+
 std::optional<Error> RunContext::no_room_for(std::size_t bytes) const {
   if (memory_limit_bytes == 0) return std::nullopt;
   const std::size_t now = resident_bytes();
@@ -76,6 +85,13 @@ std::size_t usable_memory_bytes() {
             std::min(usable, number_in("/sys/fs/cgroup/memory" + at + "/memory.limit_in_bytes", "", none));
   }
   return usable == none ? 0 : usable;
+}
+
+std::chrono::microseconds look_again_after(std::size_t bytes) {
+  using std::chrono::microseconds;
+  constexpr auto longest = std::chrono::duration_cast<microseconds>(kLookPeriod);
+  const microseconds filled(static_cast<std::int64_t>(1e6 * static_cast<double>(bytes) / kFillRate));
+  return std::clamp(filled, kShortestLook, longest);
 }
 
 double RunContext::seconds_left() const {
