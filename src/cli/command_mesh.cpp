@@ -13,6 +13,7 @@
 #include "overtet/meshing.h"
 #include "src/cli/commands.h"
 #include "src/cli/signals.h"
+#include "src/cli/stage_trail.h"
 
 namespace overtet {
 
@@ -283,16 +284,18 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
   if (!command.report.empty())
     if (Status s = report_probe.open(command.report); !s) return fail(terminal, s.error());
 
-  const RunContext context = common.context(terminal);
+  StageTrail trail;
+  const RunContext context = trail.follow(common.context(terminal));
   const std::vector<Figure> options = options_of(command, common, format.value());
   const auto seconds = [&] {
     return std::chrono::duration<double>(RunContext::Clock::now() - common.start).count();
   };
   Watchdog watchdog(context, common.start, [&](const Error& error) {
     terminal.error(with_hint(error));
-    if (error.code == ErrorCode::interrupted) return;
-    Report late;  // what the stages were doing is theirs; this thread only knows the options
+    if (error.code == ErrorCode::interrupted || command.report.empty()) return;
+    Report late;  // what the stages have found is theirs
     late.options = options;
+    late.stages = trail.records();
     late.status = status_of(error.code);
     late.message = with_hint(error);
     late.seconds = seconds();

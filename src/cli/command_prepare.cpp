@@ -183,17 +183,22 @@ int run(const PrepareCommand& command, const CommonOptions& common, Terminal& te
   OutputAndReport probes;
   if (Status s = probes.open(command.output, command.report); !s) return fail(terminal, s.error());
   const RunContext context = common.context(terminal);
-  Watchdog watchdog(context, common.start, [&](const Error& error) { terminal.error(with_hint(error)); });
+  const auto write_report = [&](const Result<Prepared>& of, const std::string& message) {
+    const Json report = report_of(command, common, of, message);
+    return write_text(command.report, report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  };
+  Watchdog watchdog(context, common.start, [&](const Error& error) {
+    terminal.error(with_hint(error));
+    if (error.code == ErrorCode::interrupted || command.report.empty()) return;
+    (void)write_report(error, with_hint(error)).ok();
+  });
   const Result<Prepared> result = prepared(command, format.value(), context, terminal, watchdog);
   if (!result) watchdog.settle(result.error().code);
   terminal.clear();
   const std::string message = result ? message_of(command, result.value()) : with_hint(result.error());
   const bool interrupted = !result && result.error().code == ErrorCode::interrupted;
   if (!command.report.empty() && !interrupted) {
-    const Json report = report_of(command, common, result, message);
-    if (Status s =
-            write_text(command.report, report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
-        !s) {
+    if (Status s = write_report(result, message); !s) {
       if (result) return fail(terminal, s.error());
       terminal.error(s.error().message);
     }

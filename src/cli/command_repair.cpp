@@ -4,6 +4,7 @@
 #include "overtet/repair.h"
 #include "src/cli/commands.h"
 #include "src/cli/signals.h"
+#include "src/cli/stage_trail.h"
 
 namespace overtet {
 
@@ -76,8 +77,16 @@ int run(const RepairCommand& command, const CommonOptions& common, Terminal& ter
                            "The output and the report have the same name; choose another for one of them."});
   OutputAndReport probes;
   if (Status s = probes.open(command.output, command.report); !s) return fail(terminal, s.error());
-  const RunContext context = common.context(terminal);
-  Watchdog watchdog(context, common.start, [&](const Error& error) { terminal.error(with_hint(error)); });
+  StageTrail trail;
+  const RunContext context = trail.follow(common.context(terminal));
+  Watchdog watchdog(context, common.start, [&](const Error& error) {
+    terminal.error(with_hint(error));
+    if (error.code == ErrorCode::interrupted || command.report.empty()) return;
+    Report late;
+    late.stages = trail.records();
+    finish(late, command, common, error);
+    (void)write_text(command.report, to_json(late)).ok();
+  });
   Report report;
   const Result<SurfaceRepair> repaired =
       repaired_surface(command, format.value(), context, terminal, watchdog, report);

@@ -59,6 +59,15 @@ void end_when_stuck() {
   }
 }
 
+// What this process has mapped to write to, in use or not: what RLIMIT_DATA bounds.
+std::size_t mapped_data() {
+  std::ifstream pages("/proc/self/statm");
+  std::size_t total, resident, shared, text, library, data;
+  return pages >> total >> resident >> shared >> text >> library >> data
+             ? data * static_cast<std::size_t>(sysconf(_SC_PAGESIZE))
+             : 0;
+}
+
 std::size_t peak_of_this_process() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -193,6 +202,20 @@ bool Watchdog::is_full(std::size_t used) {
   return used > most_memory() || Clock::now() - full_since_ > kGrace;
 }
 
+// Near the limit nothing is mapped any more that would break it once it is in use: allocations fail instead.
+// A look comes too late for what is taken in one go.
+void Watchdog::brake(std::size_t used) {
+  const bool near = memory_limit_ > 0 && used > memory_limit_ - memory_limit_ / kNearLimit;
+  if (!near && !braked_) return;
+  rlimit data{};
+  if (getrlimit(RLIMIT_DATA, &data) != 0) return;
+  if (!braked_) unbraked_ = data.rlim_cur;
+  braked_ = near;
+  const rlim_t most = mapped_data() + (most_memory() - std::min(used, most_memory())) + kSmallAllocations;
+  data.rlim_cur = near ? std::min(most, unbraked_) : unbraked_;
+  (void)::setrlimit(RLIMIT_DATA, &data);
+}
+
 void Watchdog::watch() {
   std::unique_lock lock(mutex_);
   auto interrupted_at = Clock::time_point::max();
@@ -217,6 +240,7 @@ void Watchdog::watch() {
     else if (interrupted_at == Clock::time_point::max())
       interrupted_at = Clock::now();
     used = memory_limit_ > 0 ? tree_resident_bytes() : 0;
+    brake(used);
     if (longer(interrupted_at, kGrace))
       end({ErrorCode::interrupted, "Interrupted; nothing was written."});
     else if (longer(deadline_, grace_))

@@ -1,6 +1,8 @@
 // Ctrl-C and the other polite ways of ending a program, as a flag that the run looks at.
 #pragma once
 
+#include <sys/resource.h>
+
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -52,6 +54,7 @@ class Watchdog {
   void end(const Error& error);
   Error memory_error() const;
   bool is_full(std::size_t used);
+  void brake(std::size_t used);
   std::size_t most_memory() const { return memory_limit_ + memory_limit_ / kMemoryOver; }
   void watch();
 
@@ -62,6 +65,8 @@ class Watchdog {
   std::atomic<State> state_{State::running};
   std::atomic<int> settled_{0};
   Clock::time_point full_since_ = Clock::time_point::max();
+  bool braked_ = false;
+  rlim_t unbraked_ = 0;
   std::mutex mutex_;
   std::condition_variable wake_;
   bool dismissed_ = false;

@@ -1,12 +1,13 @@
 #include "src/cli/stage_trail.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace overtet {
 
 RunContext StageTrail::follow(RunContext context) {
-  context.progress = [this, progress = std::move(context.progress)](
-                         std::string_view stage, double fraction, std::string_view detail) {
+  context.progress = [this, progress = std::move(context.progress)](std::string_view stage, double fraction,
+                                                                    std::string_view detail) {
     enter(stage);
     if (progress) progress(stage, fraction, detail);
   };
@@ -28,6 +29,7 @@ std::vector<StageRecord> StageTrail::records() const {
     const std::clock_t cpu = last ? std::clock() : steps_[i + 1].cpu;
     StageRecord& record = records.emplace_back();
     record.name = steps_[i].name;
+    std::replace(record.name.begin(), record.name.end(), '-', '_');
     record.seconds = std::chrono::duration<double>(end - steps_[i].begin).count();
     record.cpu_seconds = static_cast<double>(cpu - steps_[i].cpu) / CLOCKS_PER_SEC;
   }

@@ -1,5 +1,5 @@
-// Which stages a run has gone through, as its progress tells: for the report of a run that is ended from outside,
-// whose own records are lost with it.
+// Which stages a run has gone through, as its progress tells: for the report of a run that is ended from
+// outside, whose own records are lost with it.
 #pragma once
 
 #include <chrono>

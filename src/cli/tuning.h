@@ -21,6 +21,10 @@ constexpr double kTimeOver = 0.015;
 constexpr auto kMostTimeOver = std::chrono::milliseconds(2000);
 // One part in so many of the memory limit may be in use above it: the rest is for what is taken meanwhile.
 constexpr std::size_t kMemoryOver = 64;
+// Within one part in so many of the memory limit, allocations that would break it fail.
+constexpr std::size_t kNearLimit = 32;
+// Bytes of allocations that never fail for that: a report must be written.
+constexpr std::size_t kSmallAllocations = std::size_t{1} << 20;
 // How long saying that a limit was reached may take.
 constexpr auto kLateTime = std::chrono::milliseconds(300);
 // Between two looks whether a run is to end, and between two changes of the bar.

@@ -10,6 +10,7 @@
 
 #include "kernels/core/tuning.h"
 #include "src/run/tuning.h"
+#include "src/run/usable.h"
 
 namespace overtet {
 
@@ -84,6 +85,7 @@ std::size_t usable_memory_bytes() {
         usable =
             std::min(usable, number_in("/sys/fs/cgroup/memory" + at + "/memory.limit_in_bytes", "", none));
   }
+  if (const auto slurm = slurm_memory_bytes()) usable = std::min(usable, static_cast<std::size_t>(*slurm));
   return usable == none ? 0 : usable;
 }
 
