@@ -12,6 +12,7 @@
 #include "overtet/io.h"
 #include "overtet/meshing.h"
 #include "src/cli/commands.h"
+#include "src/cli/memory.h"
 #include "src/cli/signals.h"
 #include "src/cli/stage_trail.h"
 
@@ -303,7 +304,9 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
   });
 
   Report report;
-  const Result<Meshing> made = make_mesh(command, format.value(), context, terminal, watchdog, report);
+  Result<Meshing> made =
+      caught([&] { return make_mesh(command, format.value(), context, terminal, watchdog, report); });
+  if (!made) made = explained(made.error());
   if (!made) watchdog.settle(made.error().code);
   report.options = options;
   report.seconds = seconds();

@@ -8,6 +8,7 @@
 #include "overtet/prepare.h"
 #include "overtet/version.h"
 #include "src/cli/commands.h"
+#include "src/cli/memory.h"
 #include "src/cli/signals.h"
 
 namespace overtet {
@@ -192,7 +193,9 @@ int run(const PrepareCommand& command, const CommonOptions& common, Terminal& te
     if (error.code == ErrorCode::interrupted || command.report.empty()) return;
     (void)write_report(error, with_hint(error)).ok();
   });
-  const Result<Prepared> result = prepared(command, format.value(), context, terminal, watchdog);
+  Result<Prepared> result =
+      caught([&] { return prepared(command, format.value(), context, terminal, watchdog); });
+  if (!result) result = explained(result.error());
   if (!result) watchdog.settle(result.error().code);
   terminal.clear();
   const std::string message = result ? message_of(command, result.value()) : with_hint(result.error());

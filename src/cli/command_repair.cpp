@@ -3,6 +3,7 @@
 #include "overtet/io.h"
 #include "overtet/repair.h"
 #include "src/cli/commands.h"
+#include "src/cli/memory.h"
 #include "src/cli/signals.h"
 #include "src/cli/stage_trail.h"
 
@@ -88,8 +89,9 @@ int run(const RepairCommand& command, const CommonOptions& common, Terminal& ter
     (void)write_text(command.report, to_json(late)).ok();
   });
   Report report;
-  const Result<SurfaceRepair> repaired =
-      repaired_surface(command, format.value(), context, terminal, watchdog, report);
+  Result<SurfaceRepair> repaired =
+      caught([&] { return repaired_surface(command, format.value(), context, terminal, watchdog, report); });
+  if (!repaired) repaired = explained(repaired.error());
   if (!repaired) watchdog.settle(repaired.error().code);
   finish(report, command, common, repaired);
   terminal.clear();

@@ -31,9 +31,13 @@ extern "C" void on_signal(int signal) {
   interrupted.store(true, std::memory_order_release);
 }
 
-[[noreturn]] void end_at_once(int code) {
-  remove_unfinished_files();
-  _exit(code);
+// The memory limit, once allocations may have failed for it; 0: they have not.
+std::atomic<std::size_t> braked_limit{0};
+
+Error memory_error(std::size_t limit) {
+  return {.code = ErrorCode::limit,
+          .message = "The memory limit of " + std::to_string(limit >> 20) + " MiB was reached.",
+          .reason = ErrorReason::memory_limit};
 }
 
 // Where a watchdog has begun to end the program: until when, as a count of the clock, and with which code.
@@ -96,6 +100,11 @@ std::thread quiet_thread(F&& f) {
 
 }  // namespace
 
+void end_at_once(int code) {
+  remove_unfinished_files();
+  _exit(code);
+}
+
 const std::atomic<bool>& interrupt_flag() { return interrupted; }
 
 int exit_code(ErrorCode code) {
@@ -120,6 +129,12 @@ void install_signal_handlers() {
   ::signal(SIGXFSZ, SIG_IGN);
   static std::once_flag once;
   std::call_once(once, [] { quiet_thread(end_when_stuck).detach(); });
+}
+
+Error explained(Error error) {
+  const bool short_of_memory = error.code == ErrorCode::limit && error.reason == ErrorReason::none;
+  const std::size_t limit = braked_limit;
+  return short_of_memory && limit > 0 ? memory_error(limit) : error;
 }
 
 Watchdog::Watchdog(const RunContext& context, Clock::time_point start, std::function<void(const Error&)> late)
@@ -154,7 +169,7 @@ bool Watchdog::finish() {
   if (interrupted || Clock::now() >= deadline_) return false;
   // What came and went between two looks.
   if (memory_limit_ > 0 && peak_of_this_process() > most_memory()) {
-    end(memory_error());
+    end(memory_error(memory_limit_));
     (void)leave(State::finished);
   }
   (void)leave(State::finished);
@@ -186,12 +201,6 @@ void Watchdog::end(const Error& error) {
   end_at_once(code);
 }
 
-Error Watchdog::memory_error() const {
-  return {.code = ErrorCode::limit,
-          .message = "The memory limit of " + std::to_string(memory_limit_ >> 20) + " MiB was reached.",
-          .reason = ErrorReason::memory_limit};
-}
-
 // More is in use than allowed, for a while or by too much.
 bool Watchdog::is_full(std::size_t used) {
   if (memory_limit_ == 0 || used <= memory_limit_) {
@@ -211,6 +220,7 @@ void Watchdog::brake(std::size_t used) {
   if (getrlimit(RLIMIT_DATA, &data) != 0) return;
   if (!braked_) unbraked_ = data.rlim_cur;
   braked_ = near;
+  if (near) braked_limit = memory_limit_;
   const rlim_t most = mapped_data() + (most_memory() - std::min(used, most_memory())) + kSmallAllocations;
   data.rlim_cur = near ? std::min(most, unbraked_) : unbraked_;
   (void)::setrlimit(RLIMIT_DATA, &data);
@@ -248,7 +258,7 @@ void Watchdog::watch() {
            .message = "The time limit was reached.",
            .reason = ErrorReason::time_limit});
     else if (is_full(used))
-      end(memory_error());
+      end(memory_error(memory_limit_));
   }
 }
 

@@ -27,6 +27,12 @@ void install_signal_handlers();
 // (130 SIGINT, 143 SIGTERM, 129 SIGHUP); else the code's own number.
 int exit_code(ErrorCode code);
 
+// An allocation that failed near the memory limit did so for that.
+Error explained(Error error);
+
+// Ends the program now; removes what it has not finished writing.
+[[noreturn]] void end_at_once(int code);
+
 // Ends the program where a run does not notice in time that it should stop (a long call into a library, a
 // write to a slow disk): so that time and memory stay within a few per cent of their limits, and signals end
 // it soon. Nothing is lost by that: outputs have no name before they are complete, child processes end with
@@ -52,7 +58,6 @@ class Watchdog {
   bool leave(State to);  // never returns where the program is being ended
   bool finish();         // from here on nothing is ended any more, unless that is too late
   void end(const Error& error);
-  Error memory_error() const;
   bool is_full(std::size_t used);
   void brake(std::size_t used);
   std::size_t most_memory() const { return memory_limit_ + memory_limit_ / kMemoryOver; }
