@@ -490,14 +490,17 @@ int fail(Watchdog& watchdog, Terminal& terminal, const Error& error) {
 
 int run_command_line(int argc, char** argv) {
   install_memory_handlers();
+  int code = 0;
   try {
     install_signal_handlers();
-    return parse_and_run(argc, argv);
+    code = parse_and_run(argc, argv);
   } catch (...) {
     const Error error = explained(caught_error());
     std::fprintf(stderr, "overtet: %s\n", with_hint(error).c_str());
-    return exit_code(error.code);
+    code = exit_code(error.code);
   }
+  leaving();
+  return code;
 }
 
 }  // namespace overtet

@@ -1,4 +1,5 @@
-// What the program does where there is no memory left: it says so and ends with exit code 6, wherever that is.
+// What the program does where there is no memory left: it says so and ends with exit code 6, wherever that
+// is.
 #pragma once
 
 #include "overtet/result.h"
@@ -6,8 +7,10 @@
 namespace overtet {
 
 // GMP would abort where an allocation fails; it throws from here on, like everything else. An exception that
-// nobody may catch any more (one that leaves a destructor, or a thread) ends the program with a sentence.
+// nobody may catch any more (one that leaves a destructor, or a thread) ends the program with a sentence, and
+// so does a library that calls exit() (libgomp, OpenBLAS) before leaving() was called.
 void install_memory_handlers();
+void leaving();
 
 // The exception that is being handled, as an error.
 Error caught_error();

@@ -80,7 +80,9 @@ int __libc_start_main(int (*main)(int, char**, char**), int argc, char** argv, v
 void* malloc(std::size_t n) { return fails() ? nullptr : __libc_malloc(n); }
 void* calloc(std::size_t n, std::size_t size) { return fails() ? nullptr : __libc_calloc(n, size); }
 void* realloc(void* p, std::size_t n) { return fails() ? nullptr : __libc_realloc(p, n); }
-void* memalign(std::size_t alignment, std::size_t n) { return fails() ? nullptr : __libc_memalign(alignment, n); }
+void* memalign(std::size_t alignment, std::size_t n) {
+  return fails() ? nullptr : __libc_memalign(alignment, n);
+}
 void* aligned_alloc(std::size_t alignment, std::size_t n) {
   return fails() ? nullptr : __libc_memalign(alignment, n);
 }
