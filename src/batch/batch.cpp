@@ -86,6 +86,9 @@ class Batch {
     return options_.folder + "/" + m.name + ending_of(options_.format);
   }
   std::string report_of(const Model& m) const { return options_.folder + "/" + m.name + ".json"; }
+  std::string in_folder(const std::string& file) const {
+    return fs::path(file).lexically_relative(options_.folder);
+  }
   std::int64_t all_memory() const {
     return static_cast<std::int64_t>(kSharedMemory * static_cast<double>(options_.usable_memory_bytes));
   }
@@ -152,14 +155,11 @@ Status Batch::read_past() {
     if (path == journal_.path() && !read.value().entries.empty() && !options_.resume)
       return Error{ErrorCode::usage, options_.folder + " has the journal of a batch, of " +
                                          std::to_string(read.value().entries.size()) +
-                                         " models; say that it is to be resumed, or choose another folder."};
+                                         " models; resume that batch, or choose another folder."};
     for (const std::int64_t line : read.value().wrong_lines)
       context_.note(LogLevel::warning, path + ": line " + std::to_string(line) +
                                            " is no entry (cut off when a batch was killed?); it is skipped.");
-    for (JournalEntry& e : read.value().entries) {
-      JournalEntry& last = past_[e.name];
-      if (e.ended >= last.ended) last = std::move(e);
-    }
+    add_last(std::move(read).value(), past_);
   }
   return success();
 }
@@ -187,8 +187,11 @@ bool Batch::skip(const Task& task, const std::vector<std::string>& options) {
   const auto found = past_.find(as_utf8(task.model.name));
   if (found == past_.end()) return false;
   const JournalEntry& e = found->second;
+  std::map<std::string, std::string> files;
+  for (const std::string& file : tet_files(output_of(task.model), options_.format))
+    files[as_utf8(in_folder(file))] = file;
   return e.sha256 == task.state.sha256 && e.options == as_utf8(options) && e.version == version() &&
-         settled(e, options_.folder, options_.time_limit, final_memory());
+         settled(e, files, options_.time_limit, final_memory());
 }
 
 // Starts a worker, or says what becomes of the model without one.
@@ -287,9 +290,7 @@ void Batch::end(Running& running, const WorkerEnd& how) {
     for (const std::string& file : tet_files(output, options_.format)) {
       std::error_code none;
       const auto bytes = fs::file_size(file, none);
-      if (!none)
-        e.outputs.emplace_back(fs::path(file).lexically_relative(options_.folder),
-                               static_cast<std::int64_t>(bytes));
+      if (!none) e.outputs.emplace_back(in_folder(file), static_cast<std::int64_t>(bytes));
     }
   if (outcome.disk_full) stop_ = Error{ErrorCode::io, e.message};
   finish(std::move(e), task.model.bytes);
@@ -392,7 +393,9 @@ Status Batch::work() {
     std::vector<Worker*> workers;
     for (Running& r : running_) workers.push_back(&r.worker);
     wait_for_any(workers, kBatchPeriod);
-    // The free places are taken before the journal is written: that waits for the disk.
+    // The free places are taken before the journal is written, which waits for the disk; but not where what
+    // has happened may end the batch.
+    bool go_on = !context_.stop();
     std::vector<std::pair<Running, WorkerEnd>> ended;
     for (auto r = running_.begin(); r != running_.end();) {
       std::optional<WorkerEnd> how = r->worker.ended();
@@ -400,10 +403,12 @@ Status Batch::work() {
         ++r;
         continue;
       }
+      go_on = go_on && how->exit_code != static_cast<int>(ErrorCode::usage) &&
+              how->exit_code != static_cast<int>(ErrorCode::io);
       ended.emplace_back(std::move(*r), *std::move(how));
       r = running_.erase(r);
     }
-    if (!ended.empty() && !context_.stop()) start_some();
+    if (!ended.empty() && go_on) start_some();
     for (auto& [running, how] : ended) end(running, how);
   }
 }

@@ -190,6 +190,15 @@ Result<JournalContents> read_journal(const std::string& path) {
   return journal_of(text);
 }
 
+void add_last(JournalContents contents, std::map<std::string, JournalEntry>& last) {
+  std::map<std::string, JournalEntry> own;
+  for (JournalEntry& e : contents.entries) own[e.name] = std::move(e);
+  for (auto& [name, entry] : own) {
+    const auto [at, is_new] = last.try_emplace(name);
+    if (is_new || entry.ended >= at->second.ended) at->second = std::move(entry);
+  }
+}
+
 std::string journal_name(int shard, int shards) {
   return shards <= 1 ? "journal.jsonl"
                      : "journal-" + std::to_string(shard) + "-of-" + std::to_string(shards) + ".jsonl";
@@ -207,7 +216,7 @@ Result<std::vector<std::string>> journals_in(const std::string& folder) {
   return found;
 }
 
-bool settled(const JournalEntry& entry, const std::string& folder, double time_limit,
+bool settled(const JournalEntry& entry, const std::map<std::string, std::string>& files, double time_limit,
              std::int64_t memory_limit_bytes) {
   static const char* const final_answers[] = {"exact",    "repaired",   "refined",  "branched",
                                               "unsolved", "infeasible", "bad-input"};
@@ -224,9 +233,9 @@ bool settled(const JournalEntry& entry, const std::string& folder, double time_l
   }
   return std::all_of(entry.outputs.begin(), entry.outputs.end(), [&](const auto& output) {
     std::error_code none;
-    const fs::path path = fs::path(folder) / output.first;
-    return fs::is_regular_file(path, none) &&
-           static_cast<std::int64_t>(fs::file_size(path, none)) == output.second && !none;
+    const auto file = files.find(output.first);
+    return file != files.end() && fs::is_regular_file(file->second, none) &&
+           static_cast<std::int64_t>(fs::file_size(file->second, none)) == output.second && !none;
   });
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -51,6 +52,10 @@ struct JournalContents {
 Result<JournalContents> read_journal(const std::string& path);
 JournalContents journal_of(const std::string& text);
 
+// Adds the last line of each name in a journal to those of others. Between journals the time decides; inside
+// one the order does, whatever the clock said.
+void add_last(JournalContents contents, std::map<std::string, JournalEntry>& last);
+
 // "journal.jsonl", or "journal-2-of-20.jsonl" of a shard.
 std::string journal_name(int shard, int shards);
 // The journals in a folder, sorted by name. Errors: io.
@@ -58,8 +63,8 @@ Result<std::vector<std::string>> journals_in(const std::string& folder);
 
 // Whether a model need not be done again: it has an answer that the same options would give again, and its
 // outputs are there, as long as they were. A limit that was reached is such an answer if the limits now are
-// no higher; what crashed or failed is none.
-bool settled(const JournalEntry& entry, const std::string& folder, double time_limit,
+// no higher; what crashed or failed is none. files: what its outputs are called now, and the path of each.
+bool settled(const JournalEntry& entry, const std::map<std::string, std::string>& files, double time_limit,
              std::int64_t memory_limit_bytes);
 
 // The journal that a batch writes. While it is open no other batch can open it (flock), nor one of the whole

@@ -91,10 +91,7 @@ Result<BatchSummary> summarise(const std::vector<std::string>& journals_or_folde
       if (!read) return read.error();
       for (const std::int64_t line : read.value().wrong_lines)
         summary.notes.push_back(journal + ": line " + std::to_string(line) + " is no entry; it is skipped.");
-      for (JournalEntry& e : read.value().entries) {
-        const auto [at, is_new] = last.try_emplace(e.name);
-        if (is_new || e.ended >= at->second.ended) at->second = std::move(e);
-      }
+      add_last(std::move(read).value(), last);
     }
   }
   for (auto& [name, entry] : last) summary.models.push_back(std::move(entry));
@@ -123,7 +120,8 @@ Histogram histogram(const std::vector<double>& values, bool logarithmic) {
   // Half decades, or about as many steps of 1, 2 or 5 times a power of ten.
   double step = .5;
   if (!logarithmic) {
-    step = std::pow(10, std::floor(std::log10(std::max(*high - *low, 1e-12) / kHistogramBars)));
+    step = std::pow(
+        10, std::floor(std::log10(std::max({*high - *low, 1e-3 * std::abs(*high), 1e-12}) / kHistogramBars)));
     for (const double factor : {2., 2.5, 2.})
       if ((*high - *low) / step > kHistogramBars) step *= factor;
   }

@@ -488,6 +488,21 @@ int fail(Watchdog& watchdog, Terminal& terminal, const Error& error) {
   return fail(terminal, error);
 }
 
+namespace {
+
+// Says what the exception that is being handled means, and gives the exit code for it.
+int last_error() {
+  try {
+    const Error error = explained(caught_error());
+    std::fprintf(stderr, "overtet: %s\n", with_hint(error).c_str());
+    return exit_code(error.code);
+  } catch (...) {
+    end_for_memory("overtet: There is not enough memory.\n");
+  }
+}
+
+}  // namespace
+
 int run_command_line(int argc, char** argv) {
   install_memory_handlers();
   int code = 0;
@@ -495,9 +510,7 @@ int run_command_line(int argc, char** argv) {
     install_signal_handlers();
     code = parse_and_run(argc, argv);
   } catch (...) {
-    const Error error = explained(caught_error());
-    std::fprintf(stderr, "overtet: %s\n", with_hint(error).c_str());
-    code = exit_code(error.code);
+    code = last_error();
   }
   leaving();
   return code;

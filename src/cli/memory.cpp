@@ -42,11 +42,6 @@ void gmp_free(void* p, std::size_t) { std::free(p); }
 
 std::atomic<bool> may_exit{false};
 
-[[noreturn]] void end_for_memory(std::string_view words) {
-  (void)!::write(STDERR_FILENO, words.data(), words.size());
-  end_at_once(exit_code(ErrorCode::limit));
-}
-
 void end_of_program() {
   if (!may_exit)
     end_for_memory("overtet: A library gave up, most likely because there is not enough memory.\n");
@@ -95,6 +90,11 @@ pthread_key_t thread_key() {
 }
 
 }  // namespace
+
+void end_for_memory(std::string_view words) {
+  (void)!::write(STDERR_FILENO, words.data(), words.size());
+  end_at_once(exit_code(ErrorCode::limit));
+}
 
 void leaving() { may_exit = true; }
 

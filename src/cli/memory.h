@@ -2,6 +2,8 @@
 // is.
 #pragma once
 
+#include <string_view>
+
 #include "overtet/result.h"
 
 namespace overtet {
@@ -11,6 +13,8 @@ namespace overtet {
 // so does a library that calls exit() (libgomp, OpenBLAS) before leaving() was called.
 void install_memory_handlers();
 void leaving();
+// Says so and ends the program; takes no memory.
+[[noreturn]] void end_for_memory(std::string_view words);
 
 // The exception that is being handled, as an error.
 Error caught_error();

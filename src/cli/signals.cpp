@@ -101,7 +101,10 @@ std::thread quiet_thread(F&& f) {
 }  // namespace
 
 void end_at_once(int code) {
-  remove_unfinished_files();
+  try {
+    remove_unfinished_files();
+  } catch (...) {  // for want of memory
+  }
   _exit(code);
 }
 
@@ -127,8 +130,9 @@ void install_signal_handlers() {
   // Writing to a closed pipe, and more than `ulimit -f` allows, are errors like others.
   ::signal(SIGPIPE, SIG_IGN);
   ::signal(SIGXFSZ, SIG_IGN);
-  static std::once_flag once;
-  std::call_once(once, [] { quiet_thread(end_when_stuck).detach(); });
+  // (std::call_once aborts where starting the thread throws.)
+  static std::atomic_flag started = ATOMIC_FLAG_INIT;
+  if (!started.test_and_set()) quiet_thread(end_when_stuck).detach();
 }
 
 Error explained(Error error) {
