@@ -1,5 +1,6 @@
 #include "src/cli/memory.h"
 
+#include <execinfo.h>
 #include <gmp.h>
 #include <pthread.h>
 #include <unistd.h>
@@ -101,6 +102,9 @@ void leaving() { may_exit = true; }
 void install_memory_handlers() {
   (void)thread_key();
   (void)std::atexit(end_of_program);
+  // glibc loads what it needs for exceptions in its own functions when it first meets one, and aborts without memory.
+  void* frame = nullptr;
+  (void)::backtrace(&frame, 1);
   mp_set_memory_functions(gmp_allocate, gmp_reallocate, gmp_free);
   std::set_new_handler(fail_allocation);
   std::set_terminate(last_words);
