@@ -144,7 +144,10 @@ class Child {
   int reap() {
     int status = 0;
     for (int looks = 0;; ++looks) {
-      if (looks == kMostLooks) kill(pid_, SIGKILL);
+      if (looks == kMostLooks) {
+        stays_ = true;
+        kill(pid_, SIGKILL);
+      }
       const pid_t got = wait4(pid_, &status, looks < kMostLooks ? WNOHANG : 0, &usage_);
       if (got == pid_ || (got < 0 && errno != EINTR)) break;
       if (got == 0) std::this_thread::sleep_for(std::chrono::milliseconds(looks < 10 ? 1 : 10));
@@ -155,6 +158,8 @@ class Child {
 
   // It was waited for in vain: it neither says anything nor works.
   bool stuck() const { return idle_looks_ >= kMostIdleLooks; }
+
+  bool stays() const { return stays_; }  // it had to be killed
 
   const rusage& usage() const { return usage_; }
 
@@ -189,6 +194,7 @@ class Child {
   int socket_ = -1;
   pid_t pid_ = -1;
   int idle_looks_ = 0;
+  bool stays_ = false;
   long ticks_ = 0;
   rusage usage_{};
 };
@@ -320,7 +326,8 @@ Result<bool> converse(Child& child, const Question& question, const RunContext& 
         {question.holes.data(), sizeof(double) * question.holes.size()}})
     if (auto sent = child.send(data, bytes, context); !sent.ok() || !sent.value()) return sent;
   if (auto got = receive(&reply, sizeof reply); !got.ok() || !got.value()) return got;
-  if (reply.magic != tetgen_wire::kMagic || reply.outcome != Outcome::done) return true;
+  if (reply.magic != tetgen_wire::kMagic) return false;
+  if (reply.outcome != Outcome::done) return true;
   constexpr std::int64_t most = std::numeric_limits<Index>::max() / 4;
   for (const std::int64_t n : {reply.vertices, reply.tets, reply.facets})
     if (n < 0 || n > most) return false;
@@ -365,6 +372,8 @@ std::optional<Error> refusal(const Reply& reply) {
     case Outcome::protocol:
       return Error{ErrorCode::internal,
                    "overtet-tetgen did not understand its input; is it of another version?"};
+    default:
+      return unsolved("TetGen's answer is no mesh.");
   }
   return std::nullopt;
 }
@@ -453,6 +462,7 @@ Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options
   // The child's end of the socket is closed or all is said: it is leaving.
   const int status = child.reap();
   if (child.stuck()) return unsolved("TetGen neither answered nor worked for a minute, and was ended.");
+  if (!talk.value() && child.stays()) return unsolved("TetGen's answer is no mesh.");
   if (!talk.value() || reply.magic != tetgen_wire::kMagic) return explain_end(status, context);
   if (auto error = refusal(reply)) return *error;
   if (!is_sound(result)) return unsolved("TetGen's answer is no mesh.");
