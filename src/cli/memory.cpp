@@ -102,7 +102,8 @@ void leaving() { may_exit = true; }
 void install_memory_handlers() {
   (void)thread_key();
   (void)std::atexit(end_of_program);
-  // glibc loads what it needs for exceptions in its own functions when it first meets one, and aborts without memory.
+  // glibc loads what it needs for exceptions in its own functions when it first meets one, and aborts without
+  // memory.
   void* frame = nullptr;
   (void)::backtrace(&frame, 1);
   mp_set_memory_functions(gmp_allocate, gmp_reallocate, gmp_free);

@@ -182,6 +182,7 @@ bool Watchdog::finish() {
 
 void Watchdog::settle(ErrorCode code) {
   settled_ = exit_code(code);
+  settled_at_ = Clock::now().time_since_epoch().count();
   (void)leave(State::settled);
 }
 
@@ -195,8 +196,7 @@ void Watchdog::end(const Error& error) {
   if (!state_.compare_exchange_strong(state, State::ending)) return;
   const int code = exit_code(error.code);
   end_with = code;
-  end_by.store((Clock::now() + std::min<Clock::duration>(grace_ / 2, kLateTime)).time_since_epoch().count(),
-               std::memory_order_release);
+  end_by.store((Clock::now() + kLateTime).time_since_epoch().count(), std::memory_order_release);
   if (error.reason == ErrorReason::memory_limit) kill_children();
   try {
     late_(error);
@@ -247,7 +247,9 @@ void Watchdog::watch() {
     return next;
   };
   while (!wake_.wait_for(lock, pause(), [this] { return dismissed_; })) {
-    if (state_ == State::settled && longer(deadline_, grace_ + grace_ / 2)) end_at_once(settled_);
+    if (state_ == State::settled && longer(deadline_, grace_ + grace_ / 2) &&
+        longer(Clock::time_point(Clock::duration(settled_at_)), kLateTime))
+      end_at_once(settled_);
     if (state_ != State::running) continue;
     if (!interrupted)
       interrupted_at = Clock::time_point::max();

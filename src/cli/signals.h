@@ -69,6 +69,7 @@ class Watchdog {
   std::function<void(const Error&)> late_;
   std::atomic<State> state_{State::running};
   std::atomic<int> settled_{0};
+  std::atomic<Clock::rep> settled_at_{0};
   Clock::time_point full_since_ = Clock::time_point::max();
   bool braked_ = false;
   rlim_t unbraked_ = 0;

@@ -25,7 +25,8 @@ constexpr std::size_t kMemoryOver = 64;
 constexpr std::size_t kNearLimit = 32;
 // Bytes of allocations that never fail for that: a report must be written.
 constexpr std::size_t kSmallAllocations = std::size_t{1} << 20;
-// How long saying that a limit was reached may take.
+// How long saying that a limit was reached, and writing it down, may take: some milliseconds if nobody else
+// wants the processor.
 constexpr auto kLateTime = std::chrono::milliseconds(300);
 // Between two looks whether a run is to end, and between two changes of the bar.
 constexpr auto kWatchPeriod = std::chrono::milliseconds(50);

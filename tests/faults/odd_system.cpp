@@ -1,4 +1,5 @@
-// To be preloaded: a clock that is set while the program runs, and a file that others write to while it is read.
+// To be preloaded: a clock that is set while the program runs, and a file that others write to while it is
+// read.
 //
 //   OVERTET_CLOCK=1        the time of day jumps back and forth by days at every look
 //   OVERTET_CHANGE=FILE    after the first read from FILE it is changed:
