@@ -49,7 +49,7 @@ std::atomic<int> end_with{0};
 void end_when_stuck() {
   using Clock = std::chrono::steady_clock;
   std::optional<Clock::time_point> since;
-  for (;; std::this_thread::sleep_for(kLastPeriod)) {
+  for (;; std::this_thread::sleep_for(kWatchPeriod)) {
     if (Clock::now().time_since_epoch().count() > end_by.load(std::memory_order_acquire))
       end_at_once(end_with.load(std::memory_order_relaxed));
     if (!interrupted) continue;
@@ -218,14 +218,15 @@ bool Watchdog::is_full(std::size_t used) {
 // Near the limit nothing is mapped any more that would break it once it is in use: allocations fail instead.
 // A look comes too late for what is taken in one go.
 void Watchdog::brake(std::size_t used) {
-  const bool near = memory_limit_ > 0 && used > memory_limit_ - memory_limit_ / kNearLimit;
+  const bool near = memory_limit_ > 0 && used > memory_limit_ - 2 * (memory_limit_ / kMemoryOver);
   if (!near && !braked_) return;
   rlimit data{};
   if (getrlimit(RLIMIT_DATA, &data) != 0) return;
   if (!braked_) unbraked_ = data.rlim_cur;
   braked_ = near;
   if (near) braked_limit = memory_limit_;
-  const rlim_t most = mapped_data() + (most_memory() - std::min(used, most_memory())) + kSmallAllocations;
+  const rlim_t most =
+      mapped_data() + (most_memory() - std::min(used, most_memory())) + memory_limit_ / kMemoryOver;
   data.rlim_cur = near ? std::min(most, unbraked_) : unbraked_;
   (void)::setrlimit(RLIMIT_DATA, &data);
 }
@@ -243,7 +244,8 @@ void Watchdog::watch() {
     if (memory_limit_ > 0)
       next = std::min<Clock::duration>(next, look_again_after(most_memory() - std::min(used, most_memory())));
     if (deadline_ != Clock::time_point::max())
-      next = std::min(next, std::max<Clock::duration>(deadline_ - Clock::now() + grace_, kLeastPause));
+      next = std::min(
+          next, std::max<Clock::duration>(deadline_ - Clock::now() + grace_, std::chrono::milliseconds(1)));
     return next;
   };
   while (!wake_.wait_for(lock, pause(), [this] { return dismissed_; })) {

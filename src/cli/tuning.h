@@ -20,19 +20,12 @@ constexpr auto kLastGrace = std::chrono::milliseconds(1100);
 constexpr double kTimeOver = 0.015;
 constexpr auto kMostTimeOver = std::chrono::milliseconds(2000);
 // One part in so many of the memory limit may be in use above it: the rest is for what is taken meanwhile.
+// Two such parts below it, allocations that would break it begin to fail.
 constexpr std::size_t kMemoryOver = 64;
-// Within one part in so many of the memory limit, allocations that would break it fail.
-constexpr std::size_t kNearLimit = 32;
-// Bytes of allocations that never fail for that: a report must be written.
-constexpr std::size_t kSmallAllocations = std::size_t{1} << 20;
 // How long saying that a limit was reached, and writing it down, may take: some milliseconds if nobody else
 // wants the processor.
 constexpr auto kLateTime = std::chrono::milliseconds(300);
 // Between two looks whether a run is to end, and between two changes of the bar.
 constexpr auto kWatchPeriod = std::chrono::milliseconds(50);
-// Between two looks whether everything else is stuck.
-constexpr auto kLastPeriod = std::chrono::milliseconds(20);
-// Shorter waits are none.
-constexpr auto kLeastPause = std::chrono::microseconds(200);
 
 }  // namespace overtet
