@@ -159,6 +159,7 @@ Watchdog::~Watchdog() {
   }
   wake_.notify_all();
   thread_.join();
+  brake(0);
 }
 
 bool Watchdog::leave(State to) {
@@ -252,6 +253,7 @@ void Watchdog::watch() {
     if (state_ == State::settled && longer(deadline_, grace_ + grace_ / 2) &&
         longer(Clock::time_point(Clock::duration(settled_at_)), kLateTime))
       end_at_once(settled_);
+    if (state_ == State::finished) brake(0);  // what is written is to be told
     if (state_ != State::running) continue;
     if (!interrupted)
       interrupted_at = Clock::time_point::max();
