@@ -13,6 +13,7 @@
 #include "overtet/attributes.h"
 #include "overtet/curves.h"
 #include "overtet/result.h"
+#include "overtet/run_context.h"
 #include "overtet/types.h"
 
 namespace overtet {
@@ -26,8 +27,9 @@ struct PageOptions {
 // Arrays of attributes that are empty are not shown; the others have the sizes that attributes.h says. The
 // file appears whole or not at all (io.h). Errors: bad_input (an index out of range, a coordinate that is not
 // finite, an array of another size), io. May throw std::bad_alloc.
-Status write_page(const std::string& path, const LabelledTetMesh& mesh, const PageOptions& options = {});
+Status write_page(const std::string& path, const LabelledTetMesh& mesh, const PageOptions& options = {},
+                  const RunContext& context = {});
 Status write_page(const std::string& path, const Surface& surface, const SurfaceAttributes& attributes,
-                  const PageOptions& options = {});
+                  const PageOptions& options = {}, const RunContext& context = {});
 
 }  // namespace overtet

@@ -16,12 +16,13 @@ namespace overtet {
 namespace {
 
 // Tets if there are any: files of several formats may hold either.
-Status write_view(const ViewCommand& command, const RunContext& context, Terminal& terminal) {
+Status write_view(const ViewCommand& command, const RunContext& context, const RunContext& writing,
+                  Terminal& terminal) {
   PageOptions options;
   options.title = std::filesystem::path(command.input).filename();
   if (tet_format_of(command.input)) {
     const Result<LabelledTetMesh> mesh = read_labelled_tets(command.input, context);
-    if (mesh) return write_page(command.output, mesh.value(), options);
+    if (mesh) return write_page(command.output, mesh.value(), options, writing);
     // A surface of the same format? If it is none either, what is wrong with the tets is said.
     if (!read_surface(command.input, nullptr, context)) return mesh.error();
   }
@@ -41,7 +42,7 @@ Status write_view(const ViewCommand& command, const RunContext& context, Termina
     options.curves = &*curves;
   }
   return write_page(command.output, input.surface(),
-                    input.cleanup.problem ? SurfaceAttributes{} : input.attributes, options);
+                    input.cleanup.problem ? SurfaceAttributes{} : input.attributes, options, writing);
 }
 
 // By the desktop's own means; false where there is none.
@@ -62,12 +63,10 @@ int run(const ViewCommand& command, const CommonOptions& common, Terminal& termi
   OutputProbe probe;
   if (Status s = probe.open(command.output); !s) return fail(terminal, s.error());
   const RunContext context = common.context(terminal);
-  Watchdog watchdog(context.deadline, context.memory_limit_bytes,
-                    [&](const Error& error) { terminal.error(with_hint(error)); });
+  Watchdog watchdog(context, common.start, [&](const Error& error) { terminal.error(with_hint(error)); });
   context.report("read", 0);
-  const Status written = write_view(command, context, terminal);
-  watchdog.dismiss();
-  if (!written) return fail(terminal, written.error());
+  if (Status s = write_view(command, context, watchdog.writing(context), terminal); !s)
+    return fail(watchdog, terminal, s.error());
   terminal.clear();
   terminal.say(command.output + ": open it in any browser.");
   if (command.open && !open_in_browser(command.output))

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "src/io/base64.h"
-#include "src/io/file.h"
+#include "src/io/filled_file.h"
 #include "src/view/page_parts.h"
 
 namespace overtet {
@@ -18,9 +18,9 @@ using Json = nlohmann::json;
 // Blocks of little-endian numbers, put into the page as text.
 class Page {
  public:
-  Status open(const std::string& path) { return file_.open(path); }
+  explicit Page(TextWriter& out) : out_(out) {}
   Page& text(std::string_view words) {
-    if (status_.ok()) status_ = file_.write(words);
+    out_.text(words);
     return *this;
   }
   template <class T>
@@ -34,14 +34,9 @@ class Page {
       text(io_detail::encode_base64({bytes + at, std::min(piece, size - at)}));
     return text("</script>\n");
   }
-  Status finish() {
-    if (status_.ok()) status_ = file_.commit();
-    return status_;
-  }
 
  private:
-  AtomicFile file_;
-  Status status_ = success();
+  TextWriter& out_;
 };
 
 std::string escaped(const std::string& text) {
@@ -143,51 +138,53 @@ void begin(Page& page, const PageOptions& options, Json info, const Places& plac
       .text("</script>\n");
 }
 
-Status end(Page& page, const PageOptions& options, const Places& places) {
+void end(Page& page, const PageOptions& options, const Places& places) {
   std::vector<float> marks;
   for (const auto& p : options.marks) places.add({p[0], p[1], p[2]}, marks);
-  return page.block("lines", lines_of(options.curves, places))
+  page.block("lines", lines_of(options.curves, places))
       .block("marks", marks)
       .text("<script>")
       .text(page_script())
-      .text("</script>\n</body></html>\n")
-      .finish();
+      .text("</script>\n</body></html>\n");
 }
 
 }  // namespace
 
-Status write_page(const std::string& path, const LabelledTetMesh& labelled, const PageOptions& options) {
+Status write_page(const std::string& path, const LabelledTetMesh& labelled, const PageOptions& options,
+                  const RunContext& context) {
   const auto& [mesh, a] = labelled;
   if (Status s = check(mesh.V, mesh.T, "tet"); !s) return s;
   if (Status s = check(mesh.V, a.triangles, "triangle"); !s) return s;
   if (Status s = check_size(a.labels.of.size(), a.triangles.rows(), "labels"); !s) return s;
   if (Status s = check_size(a.regions.of.size(), mesh.T.rows(), "regions"); !s) return s;
   if (Status s = check_size(a.layers.size(), mesh.T.rows(), "numbers of layers"); !s) return s;
-  Page page;
-  if (Status s = page.open(path); !s) return s;
-  const Places places(mesh.V);
-  begin(page, options,
-        {{"kind", "tets"}, {"label_names", names_of(a.labels)}, {"region_names", names_of(a.regions)}},
-        places);
-  page.block("V", places.of(mesh.V))
-      .block("T", flat(mesh.T))
-      .block("F", flat(a.triangles))
-      .block("labels", a.labels.of)
-      .block("regions", a.regions.of)
-      .block("layers", a.layers);
-  return end(page, options, places);
+  return io_detail::write_file(path, context, [&](TextWriter& out) {
+    Page page(out);
+    const Places places(mesh.V);
+    begin(page, options,
+          {{"kind", "tets"}, {"label_names", names_of(a.labels)}, {"region_names", names_of(a.regions)}},
+          places);
+    page.block("V", places.of(mesh.V))
+        .block("T", flat(mesh.T))
+        .block("F", flat(a.triangles))
+        .block("labels", a.labels.of)
+        .block("regions", a.regions.of)
+        .block("layers", a.layers);
+    end(page, options, places);
+  });
 }
 
 Status write_page(const std::string& path, const Surface& surface, const SurfaceAttributes& attributes,
-                  const PageOptions& options) {
+                  const PageOptions& options, const RunContext& context) {
   if (Status s = check(surface.V, surface.F, "face"); !s) return s;
   if (Status s = check_size(attributes.faces.of.size(), surface.F.rows(), "labels"); !s) return s;
-  Page page;
-  if (Status s = page.open(path); !s) return s;
-  const Places places(surface.V);
-  begin(page, options, {{"kind", "surface"}, {"label_names", names_of(attributes.faces)}}, places);
-  page.block("V", places.of(surface.V)).block("F", flat(surface.F)).block("labels", attributes.faces.of);
-  return end(page, options, places);
+  return io_detail::write_file(path, context, [&](TextWriter& out) {
+    Page page(out);
+    const Places places(surface.V);
+    begin(page, options, {{"kind", "surface"}, {"label_names", names_of(attributes.faces)}}, places);
+    page.block("V", places.of(surface.V)).block("F", flat(surface.F)).block("labels", attributes.faces.of);
+    end(page, options, places);
+  });
 }
 
 }  // namespace overtet
