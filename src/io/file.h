@@ -23,7 +23,8 @@
 namespace overtet {
 
 // The bytes of a file, or of standard input ("-"); what is compressed by gzip is unpacked. Directories and
-// unreadable files are ErrorCode::io; damaged gzip files are ErrorCode::bad_input.
+// unreadable files are ErrorCode::io, and so are files that change while they are read; damaged gzip files
+// are ErrorCode::bad_input.
 Result<std::string> read_file(const std::string& path);
 
 bool file_exists(const std::string& path);
@@ -53,6 +54,7 @@ class AtomicFile {
   Status write_plain(std::string_view bytes);
   Status end_compression();
   Error error(const char* what, int code) const;
+  Error error_of_name(int code) const;
   void abandon();
 
   std::string path_;       // as the user wrote it

@@ -11,6 +11,8 @@ namespace overtet {
 constexpr auto kReaderWait = std::chrono::seconds(2);
 // Blocks of lines that are formatted at the same time and then written.
 constexpr std::int64_t kTextBlocks = 32;
+// Characters that a hidden neighbour's name has after the file's own: dots, the process, an attempt.
+constexpr std::size_t kNameEnding = 24;
 // Bytes that are gathered before they are written.
 constexpr std::size_t kBuffer = 1 << 20;
 // Corners of a polygon: up to so many the best ear of all is cut (cubic time), up to so many any ear

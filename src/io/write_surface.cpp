@@ -107,7 +107,7 @@ Status write_surface(const std::string& path, const Surface& surface, SurfaceFor
   const Labels none;
   const Labels& l = labels ? *labels : none;
   const ScopedThreads threads(context.threads > 0 ? context.threads : thread_cap());
-  return io_detail::write_file(path,
+  return io_detail::write_file(path, context,
                                [&](TextWriter& out) { io_detail::print_surface(out, surface, format, l); });
 }
 
