@@ -77,7 +77,7 @@ std::int64_t number_of(std::string_view text, std::int64_t otherwise) {
   return n;
 }
 
-// The parts of a file, read one after the other; every error names the file. Its many members are what
+// The parts of a file, read one after the other; every error names the file. More than 12 members: what
 // attributes and arrays say, until all have been read.
 class VtkXmlReader {
  public:

@@ -159,9 +159,9 @@ class VtkParts {
       if (&a == triangles || !a.name.starts_with(prefix)) continue;
       if (a.values.size() != count * static_cast<std::size_t>(a.width)) continue;
       const std::string which = a.name.substr(prefix.size());
-      if (which == "label")
+      if (which == "label" && a.width == 1)
         out_.labels.of = as_indices(a.values);
-      else if (which == "input_face")
+      else if (which == "input_face" && a.width == 1)
         out_.input_face = as_indices(a.values);
       else
         out_.polygon_data.push_back({which, a.type, a.width, a.values});
