@@ -62,12 +62,11 @@ int run(const ViewCommand& command, const CommonOptions& common, Terminal& termi
   OutputProbe probe;
   if (Status s = probe.open(command.output); !s) return fail(terminal, s.error());
   const RunContext context = common.context(terminal);
-  Watchdog watchdog(context.deadline, context.memory_limit_bytes,
-                    [&](const Error& error) { terminal.error(with_hint(error)); });
-  context.report("read", 0);
-  const Status written = write_view(command, context, terminal);
-  watchdog.dismiss();
-  if (!written) return fail(terminal, written.error());
+  {
+    Watchdog watchdog(context, common.start, [&](const Error& error) { terminal.error(with_hint(error)); });
+    context.report("read", 0);
+    if (Status s = write_view(command, context, terminal); !s) return fail(watchdog, terminal, s.error());
+  }
   terminal.clear();
   terminal.say(command.output + ": open it in any browser.");
   if (command.open && !open_in_browser(command.output))
