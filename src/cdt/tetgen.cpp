@@ -114,7 +114,7 @@ class Child {
       const ssize_t put =
           ::send(socket_, at, std::min<std::size_t>(bytes, 1 << 20), MSG_NOSIGNAL | MSG_DONTWAIT);
       if (put < 0 && (errno == EAGAIN || errno == EINTR)) continue;
-      if (put <= 0) return false;
+      if (put <= 0) return gone();
       at += put;
       bytes -= static_cast<std::size_t>(put);
     }
@@ -133,15 +133,20 @@ class Child {
       idle_looks_ = 0;
       const ssize_t got = recv(socket_, at, std::min<std::size_t>(bytes, 1 << 20), MSG_DONTWAIT);
       if (got < 0 && (errno == EAGAIN || errno == EINTR)) continue;
-      if (got <= 0) return false;
+      if (got <= 0) return gone();
       at += got;
       bytes -= static_cast<std::size_t>(got);
     }
     return true;
   }
 
-  // Waits for a child that has closed its end, and says how it ended. One that does not leave is killed.
+  // Waits for a child that has closed its end, and says how it ended. One that does not leave is killed; one
+  // that has its end open has nothing more to say that anybody listens to, and is killed at once.
   int reap() {
+    if (!gone_) {
+      stays_ = true;
+      kill(pid_, SIGKILL);
+    }
     int status = 0;
     for (int looks = 0;; ++looks) {
       if (looks == kMostLooks) {
@@ -193,8 +198,13 @@ class Child {
 
   int socket_ = -1;
   pid_t pid_ = -1;
+  bool gone() {
+    gone_ = true;
+    return false;
+  }
+
   int idle_looks_ = 0;
-  bool stays_ = false;
+  bool stays_ = false, gone_ = false;
   long ticks_ = 0;
   rusage usage_{};
 };
