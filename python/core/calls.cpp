@@ -3,6 +3,7 @@
 #include <pthread.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cfenv>
 #include <chrono>
@@ -82,7 +83,7 @@ RunContext context_of(const py::dict& run, Shared& shared) {
 void deliver(const py::dict& run, const std::deque<Message>& messages) {
   for (const Message& m : messages) {
     if (m.progress)
-      run["progress"](message_text(m.stage), m.fraction);
+      run["progress"](message_text(m.stage), std::clamp(m.fraction, 0.0, 1.0));
     else
       run["log"](level_name(m.level), message_text(m.text));
   }

@@ -330,9 +330,11 @@ py::list list_of(const std::vector<PrepareRecord>& steps) {
 py::dict dict_of(Cleanup c) {
   using namespace py::literals;
   py::dict out("defects"_a = list_of(c.defects), "summary"_a = message_text(c.summary()),
-               "changed"_a = c.changed(), "vertex_of"_a = array_or_none(std::move(c.vertex_of)),
-               "face_of"_a = array_or_none(std::move(c.face_of)), "turned"_a = array_of(std::move(c.turned)),
-               "merged"_a = array_of(std::move(c.merged)));
+               "changed"_a = c.changed());  // before anything is moved away
+  out["vertex_of"] = array_or_none(std::move(c.vertex_of));
+  out["face_of"] = array_or_none(std::move(c.face_of));
+  out["turned"] = array_of(std::move(c.turned));
+  out["merged"] = array_of(std::move(c.merged));
   out["V"] = array_of(std::move(c.surface.V));
   out["F"] = array_of(std::move(c.surface.F));
   return out;

@@ -158,7 +158,7 @@ def mesh_dict(mesh: Mesh, strict: bool = True) -> dict:
 class Diagnosis:
     """What is known of a surface before any mesh is made. Exact: verdict, pairs, hinges, winding numbers.
 
-    verdict: "bad_input", "embedded", "feasible" or "infeasible". bool(diagnosis): whether a mesh is not ruled out.
+    verdict: "bad-input", "embedded", "feasible" or "infeasible". bool(diagnosis): whether a mesh is not ruled out.
     """
 
     verdict: str

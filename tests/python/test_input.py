@@ -87,7 +87,7 @@ def test_wrong_surfaces():
         if name in ("far", "least"):
             assert caught.value.face == 1 and "Face 1" in str(caught.value)
         else:
-            assert overtet.inspect(v, f).verdict == "bad_input", name
+            assert overtet.inspect(v, f).verdict == "bad-input", name
         mesh = overtet.Mesh(np.eye(4, 3), [[0, 1, 2, 3]])
         if name not in ("far", "least"):
             assert not overtet.verify(v, f, mesh), name

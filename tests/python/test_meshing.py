@@ -137,7 +137,7 @@ def test_inspect_and_verify(worm, mesh):
     beyond[0, 0] = -5
     assert [f["rule"] for f in overtet.verify(V, F, mesh.V, beyond).failures][0] == "R1"
     bad = overtet.inspect(V, F[:-1])
-    assert not bad and bad.verdict == "bad_input" and not bad.closed
+    assert not bad and bad.verdict == "bad-input" and not bad.closed
 
 
 def test_clean_up_and_prepare():

@@ -119,8 +119,8 @@ def test_exceptions_of_callbacks_come_out(which):
 LONG_RUN = """
     import overtet, sys, surfaces
     V, F = surfaces.worm(around=int(sys.argv[1]))
-    print("begins")
     try:
+        print("begins")
         overtet.tetrahedralize(V, F, progress=lambda stage, fraction: print(stage))
     except KeyboardInterrupt as interrupt:
         children = open(f"/proc/self/task/{__import__('os').getpid()}/children").read().split()
@@ -235,7 +235,7 @@ def test_memory_is_given_back():
         import gc, overtet, resource, surfaces
         def resident():
             return int(open("/proc/self/statm").read().split()[1]) * resource.getpagesize()
-        V, F = surfaces.worm(around=24)
+        V, F = surfaces.worm(around=40)
         bad = surfaces.dented_ball()
         def work():
             mesh = overtet.tetrahedralize(V, F)
