@@ -9,6 +9,7 @@ import re
 import shlex
 import shutil
 import subprocess
+import sys
 
 from setuptools import Extension, setup
 from setuptools.command.build_ext import build_ext
@@ -26,7 +27,7 @@ class BuildWithCMake(build_ext):
         build = os.environ.get("OVERTET_BUILD_DIR") or os.path.abspath(self.build_temp)
         if not os.path.exists(os.path.join(build, "CMakeCache.txt")):
             subprocess.check_call(["cmake", "-S", ROOT, "-B", build, "-DCMAKE_BUILD_TYPE=Release", "-DOVERTET_PYTHON=ON",
-                                   "-DOVERTET_TESTS=OFF", *(["-GNinja"] if shutil.which("ninja") else []),
+                                   "-DOVERTET_TESTS=OFF", "-DPython3_EXECUTABLE=" + sys.executable, *(["-GNinja"] if shutil.which("ninja") else []),
                                    *shlex.split(os.environ.get("CMAKE_ARGS", ""))])
         subprocess.check_call(["cmake", "--build", build, "--parallel", str(os.cpu_count()), "--target",
                                "overtet_python", "overtet-tetgen"])

@@ -1,5 +1,5 @@
-// Numpy arrays as the library's matrices, and back. In: one copy, from any memory order. Out: the array owns the
-// library's memory.
+// Numpy arrays as the library's matrices, and back. In: one copy, from any memory order. Out: the array owns
+// the library's memory.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -55,8 +55,8 @@ void copy(const py::array& array, To* to, py::ssize_t rows, py::ssize_t columns)
 
 }  // namespace detail
 
-// pre: two dimensions (or one, for `columns` 1), native byte order, aligned; doubles, floats or integers of 32 or
-// 64 bits: overtet/_arrays.py sees to that. Throws OutOfRange.
+// pre: two dimensions (or one, for `columns` 1), native byte order, aligned; doubles, floats or integers of
+// 32 or 64 bits: overtet/_arrays.py sees to that. Throws OutOfRange.
 template <class To>
 void copy_array(const py::array& array, To* to, py::ssize_t columns) {
   const py::ssize_t rows = array.shape(0);

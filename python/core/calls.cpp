@@ -59,8 +59,9 @@ RunContext context_of(const py::dict& run, Shared& shared) {
   c.memory_limit_bytes = run["memory_limit"].cast<std::size_t>();
   c.tetgen_helper = run["tetgen_helper"].cast<std::string>();
   if (!run["time_limit"].is_none())
-    c.deadline = RunContext::Clock::now() + std::chrono::duration_cast<RunContext::Clock::duration>(
-                                                std::chrono::duration<double>(run["time_limit"].cast<double>()));
+    c.deadline =
+        RunContext::Clock::now() + std::chrono::duration_cast<RunContext::Clock::duration>(
+                                       std::chrono::duration<double>(run["time_limit"].cast<double>()));
   if (!run["progress"].is_none())
     c.progress = [&shared](std::string_view stage, double fraction, std::string_view detail) {
       Message m{true, LogLevel::info, fraction, std::string(stage), std::string(detail)};
@@ -111,7 +112,8 @@ void run_apart(const py::dict& run, const std::function<void(const RunContext&)>
   Shared shared;
   const RunContext context = context_of(run, shared);
   std::thread thread = quiet_thread([&] {
-    // Other modules may have set another rounding, or that tiny numbers are zero; exact arithmetic can have neither.
+    // Other modules may have set another rounding, or that tiny numbers are zero; exact arithmetic can have
+    // neither.
     std::fesetenv(FE_DFL_ENV);
     try {
       work(context);
@@ -152,9 +154,9 @@ void raise(const Error& error, const Report* report) {
   if (error.place) place = py::make_tuple((*error.place)[0], (*error.place)[1], (*error.place)[2]);
   if (error.certificate) certificate = message_text(to_json(*error.certificate));
   if (report) json = message_text(to_json(*report));
-  const py::object exception =
-      of(static_cast<int>(error.code), message_text(error.message), place, reason_name(error.reason), error.face,
-         certificate, error.certificate ? message_text(explain(*error.certificate)) : py::str(""), json);
+  const py::object exception = of(
+      static_cast<int>(error.code), message_text(error.message), place, reason_name(error.reason), error.face,
+      certificate, error.certificate ? message_text(explain(*error.certificate)) : py::str(""), json);
   PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(exception.ptr())), exception.ptr());
   throw py::error_already_set();
 }

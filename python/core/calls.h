@@ -13,10 +13,11 @@ namespace overtet::python {
 
 namespace py = pybind11;
 
-// Runs `work` in a thread of its own and waits for it without the GIL. `run` has threads, time_limit (seconds or
-// None), memory_limit (bytes, 0: none), tetgen_helper, progress and log (callables or None). These two are called
-// here, in the thread that called: what they raise ends the run, as a signal does whose Python handler raises, and
-// comes out of this function. What `work` throws does, too. Nothing of the run is left when this returns.
+// Runs `work` in a thread of its own and waits for it without the GIL. `run` has threads, time_limit (seconds
+// or None), memory_limit (bytes, 0: none), tetgen_helper, progress and log (callables or None). These two are
+// called here, in the thread that called: what they raise ends the run, as a signal does whose Python handler
+// raises, and comes out of this function. What `work` throws does, too. Nothing of the run is left when this
+// returns.
 void run_apart(const py::dict& run, const std::function<void(const RunContext&)>& work);
 
 // The error as an exception of overtet/_errors.py. report: what the run did, if anything is known.

@@ -67,8 +67,8 @@ LabelledSurface meshed_surface(const LabelledSurface& given, const Meshing& made
   return {refined.surface, carried(given.attributes, old_vertex, refined.face)};
 }
 
-Result<MeshAttributes> attributes_of_mesh(const LabelledSurface& given, const Meshing& made, const Report& report,
-                                          bool layers, const RunContext& context) {
+Result<MeshAttributes> attributes_of_mesh(const LabelledSurface& given, const Meshing& made,
+                                          const Report& report, bool layers, const RunContext& context) {
   context.report("label", 0);
   MeshAttributeOptions wanted;
   wanted.layers = layers;
@@ -98,8 +98,8 @@ py::dict dict_of_mesh(Meshing made, MeshAttributes attributes, const Report& rep
   return out;
 }
 
-py::dict tetrahedralize_(const py::handle& V, const py::handle& F, const py::dict& surface, const py::dict& options,
-                         const py::dict& run) {
+py::dict tetrahedralize_(const py::handle& V, const py::handle& F, const py::dict& surface,
+                         const py::dict& options, const py::dict& run) {
   const auto start = RunContext::Clock::now();
   LabelledSurface given{surface_of(V, F), attributes_of(surface)};
   const MeshingOptions wanted = meshing_options(options);
@@ -155,8 +155,10 @@ py::dict repair(const py::handle& V, const py::handle& F, double max_move, const
                   "mean_relative_move"_a = r.mean_relative_move, "report"_a = message_text(to_json(report)));
 }
 
-// surface, mesh: dicts with what is known besides; where the mesh has boundary triangles they are checked, too.
-py::dict verify_(const py::dict& surface, const py::dict& mesh, const py::dict& options, const py::dict& run) {
+// surface, mesh: dicts with what is known besides; where the mesh has boundary triangles they are checked,
+// too.
+py::dict verify_(const py::dict& surface, const py::dict& mesh, const py::dict& options,
+                 const py::dict& run) {
   const LabelledSurface of{surface_of(surface["V"], surface["F"]), attributes_of(surface)};
   const LabelledTetMesh tets = labelled_tets_of(mesh);
   VerifyOptions wanted;
@@ -166,8 +168,7 @@ py::dict verify_(const py::dict& surface, const py::dict& mesh, const py::dict& 
   std::optional<TetQuality> quality;
   const Result<VerifyResult> result = call(run, [&](const RunContext& context) -> Result<VerifyResult> {
     VerifyResult r = verify(of.surface, tets.mesh, wanted, context);
-    if (!r.complete)
-      return context.stop().value_or(Error{ErrorCode::interrupted, "Interrupted."});
+    if (!r.complete) return context.stop().value_or(Error{ErrorCode::interrupted, "Interrupted."});
     for (VerifyFailure& f : verify_attributes(of.surface, of.attributes, tets, wanted.geometry_only))
       r.failures.push_back(std::move(f));
     if (!r.fails(Rule::R1)) quality = tet_quality(tets.mesh, context);
@@ -187,8 +188,8 @@ py::dict clean_up_(const py::handle& V, const py::handle& F, const py::dict& sur
   wanted.strict = options["strict"].cast<bool>();
   wanted.allow_open = options["allow_open"].cast<bool>();
   wanted.most_places = options["places"].cast<int>();
-  Cleanup cleaned = value_of(
-      call(run, [&](const RunContext& context) { return clean_up(given, wanted, {}, context); }));
+  Cleanup cleaned =
+      value_of(call(run, [&](const RunContext& context) { return clean_up(given, wanted, {}, context); }));
   if (cleaned.problem) raise(*cleaned.problem);
   py::dict out = dict_of(carried(attributes, cleaned.vertex_of, cleaned.face_of));
   out["record"] = dict_of(std::move(cleaned));
@@ -218,8 +219,8 @@ py::dict prepare_(const py::handle& V, const py::handle& F, const py::dict& surf
   const Surface given = surface_of(V, F);
   const SurfaceAttributes attributes = attributes_of(surface);
   const PrepareOptions wanted = prepare_options(options);
-  Preparation p = value_of(
-      call(run, [&](const RunContext& context) { return prepare(given, wanted, {}, context); }));
+  Preparation p =
+      value_of(call(run, [&](const RunContext& context) { return prepare(given, wanted, {}, context); }));
   SurfaceAttributes carried_on = carried(attributes, p.result.vertex_of, p.result.face_of);
   for (std::size_t f = 0; f < carried_on.faces.of.size() && f < p.result.face_of.size(); ++f)
     if (p.result.face_of[f] < 0) carried_on.faces.of[f] = 0;  // a new face has no label
@@ -261,7 +262,8 @@ void write_surface_(const std::string& path, const py::handle& V, const py::hand
 // format: empty: as the path says.
 void write_mesh_(const std::string& path, const std::string& format, int order, const py::dict& mesh,
                  const py::dict& run) {
-  const TetWriteOptions options{value_of(format.empty() ? tet_format_of(path) : tet_format_named(format)), order};
+  const TetWriteOptions options{value_of(format.empty() ? tet_format_of(path) : tet_format_named(format)),
+                                order};
   value_of(options.validate());
   const LabelledTetMesh labelled = labelled_tets_of(mesh);
   value_of(call(run, [&](const RunContext& context) {

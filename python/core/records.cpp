@@ -99,7 +99,8 @@ std::vector<Attribute> data_of(const py::dict& d, const char* key) {
 template <class T>
 py::array typed(const Attribute& a) {
   std::vector<T> values(a.values.size());
-  std::transform(a.values.begin(), a.values.end(), values.begin(), [](double x) { return static_cast<T>(x); });
+  std::transform(a.values.begin(), a.values.end(), values.begin(),
+                 [](double x) { return static_cast<T>(x); });
   const auto rows = static_cast<py::ssize_t>(values.size()) / std::max(1, a.width);
   std::vector<py::ssize_t> shape = {rows};
   if (a.width != 1) shape.push_back(a.width);
@@ -111,11 +112,21 @@ py::dict dict_of_data(const std::vector<Attribute>& data) {
   for (const Attribute& a : data) {
     const py::str name = name_text(a.name);
     switch (a.type) {
-      case NumberType::uint8: out[name] = typed<std::uint8_t>(a); break;
-      case NumberType::int32: out[name] = typed<std::int32_t>(a); break;
-      case NumberType::int64: out[name] = typed<std::int64_t>(a); break;
-      case NumberType::float32: out[name] = typed<float>(a); break;
-      case NumberType::float64: out[name] = typed<double>(a); break;
+      case NumberType::uint8:
+        out[name] = typed<std::uint8_t>(a);
+        break;
+      case NumberType::int32:
+        out[name] = typed<std::int32_t>(a);
+        break;
+      case NumberType::int64:
+        out[name] = typed<std::int64_t>(a);
+        break;
+      case NumberType::float32:
+        out[name] = typed<float>(a);
+        break;
+      case NumberType::float64:
+        out[name] = typed<double>(a);
+        break;
     }
   }
   return out;
@@ -233,11 +244,12 @@ py::dict dict_of(Curve&& c) {
     faces.push_back(s.faces);
     winding.push_back({s.winding_min, s.winding_max});
   }
-  return py::dict("closed"_a = c.closed, "sheets_swap"_a = c.sheets_swap,
-                  "ends"_a = py::make_tuple(ends[static_cast<int>(c.ends[0])], ends[static_cast<int>(c.ends[1])]),
-                  "points"_a = array_of(std::move(points)), "kinds"_a = node_kinds,
-                  "faces"_a = array_of(std::move(faces)), "winding"_a = array_of(std::move(winding)),
-                  "length"_a = c.length);
+  return py::dict(
+      "closed"_a = c.closed, "sheets_swap"_a = c.sheets_swap,
+      "ends"_a = py::make_tuple(ends[static_cast<int>(c.ends[0])], ends[static_cast<int>(c.ends[1])]),
+      "points"_a = array_of(std::move(points)), "kinds"_a = node_kinds,
+      "faces"_a = array_of(std::move(faces)), "winding"_a = array_of(std::move(winding)),
+      "length"_a = c.length);
 }
 
 py::list list_of_hinges(const std::vector<HingeDiagnosis>& hinges) {
@@ -256,17 +268,18 @@ py::list list_of_hinges(const std::vector<HingeDiagnosis>& hinges) {
 
 py::dict dict_of(SurfaceDiagnosis d) {
   using namespace py::literals;
-  py::dict out("verdict"_a = verdict_name(d.verdict), "message"_a = message_text(d.message),
-               "advice"_a = texts(d.advice), "vertices"_a = d.vertices, "faces"_a = d.faces, "closed"_a = d.closed,
-               "manifold"_a = d.manifold, "oriented"_a = d.oriented, "problems"_a = texts(d.problems),
-               "degenerate_faces"_a = array_of(std::move(d.degenerate_faces)),
-               "pairs"_a = array_of(std::move(d.pairs)), "pairs_sharing_vertex"_a = d.pairs_sharing_vertex,
-               "pairs_sharing_edge"_a = d.pairs_sharing_edge, "winding_min"_a = d.winding_min,
-               "winding_max"_a = d.winding_max, "hinges"_a = list_of_hinges(d.hinges),
-               "odd_groups"_a = d.odd_groups, "crowded"_a = array_of(std::move(d.crowded)),
-               "unfillable"_a = array_of(std::move(d.unfillable)), "unmet"_a = array_of(std::move(d.unmet)),
-               "thin_limit"_a = d.thin_limit);
-  out["certificate"] = d.certificate ? py::object(message_text(to_json(*d.certificate))) : py::object(py::none());
+  py::dict out(
+      "verdict"_a = verdict_name(d.verdict), "message"_a = message_text(d.message),
+      "advice"_a = texts(d.advice), "vertices"_a = d.vertices, "faces"_a = d.faces, "closed"_a = d.closed,
+      "manifold"_a = d.manifold, "oriented"_a = d.oriented, "problems"_a = texts(d.problems),
+      "degenerate_faces"_a = array_of(std::move(d.degenerate_faces)),
+      "pairs"_a = array_of(std::move(d.pairs)), "pairs_sharing_vertex"_a = d.pairs_sharing_vertex,
+      "pairs_sharing_edge"_a = d.pairs_sharing_edge, "winding_min"_a = d.winding_min,
+      "winding_max"_a = d.winding_max, "hinges"_a = list_of_hinges(d.hinges), "odd_groups"_a = d.odd_groups,
+      "crowded"_a = array_of(std::move(d.crowded)), "unfillable"_a = array_of(std::move(d.unfillable)),
+      "unmet"_a = array_of(std::move(d.unmet)), "thin_limit"_a = d.thin_limit);
+  out["certificate"] =
+      d.certificate ? py::object(message_text(to_json(*d.certificate))) : py::object(py::none());
   out["explanation"] = message_text(d.certificate ? explain(*d.certificate) : std::string());
   py::list components, curves, thin;
   for (const ComponentDiagnosis& c : d.components)
@@ -290,7 +303,8 @@ py::dict dict_of(VerifyResult r) {
   py::list failures;
   for (const VerifyFailure& f : r.failures)
     failures.append(py::dict("rule"_a = "R" + std::to_string(static_cast<int>(f.rule)),
-                             "message"_a = message_text(f.message), "count"_a = f.count, "first"_a = f.first));
+                             "message"_a = message_text(f.message), "count"_a = f.count,
+                             "first"_a = f.first));
   return py::dict("failures"_a = failures, "surface_vertices"_a = r.surface_vertices,
                   "surface_faces"_a = r.surface_faces, "vertices"_a = r.vertices, "tets"_a = r.tets,
                   "boundary_faces"_a = r.boundary_faces, "moved_vertices"_a = r.moved_vertices,
@@ -321,8 +335,9 @@ py::list list_of(const std::vector<PrepareRecord>& steps) {
     for (const PlaceLeft& p : s.places)
       places.append(py::dict("position"_a = p.position, "vertex"_a = p.vertex, "edges"_a = p.edges,
                              "why"_a = message_text(p.why)));
-    out.append(py::dict("step"_a = name_of(s.step), "seconds"_a = s.seconds, "done"_a = s.done, "left"_a = s.left,
-                        "figures"_a = figures, "places"_a = places, "message"_a = message_text(s.message)));
+    out.append(py::dict("step"_a = name_of(s.step), "seconds"_a = s.seconds, "done"_a = s.done,
+                        "left"_a = s.left, "figures"_a = figures, "places"_a = places,
+                        "message"_a = message_text(s.message)));
   }
   return out;
 }

@@ -1,5 +1,5 @@
-// What the library gives and takes besides matrices, as dicts of arrays and plain Python values: overtet/ makes
-// dataclasses of them.
+// What the library gives and takes besides matrices, as dicts of arrays and plain Python values: overtet/
+// makes dataclasses of them.
 #pragma once
 
 #include <pybind11/pybind11.h>

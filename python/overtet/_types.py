@@ -273,6 +273,10 @@ class Prepared(CleanUp):
     moved: np.ndarray = field(default_factory=lambda: np.empty(0, np.int32))  #: vertices that moved, sorted
     remaining: List[dict] = field(default_factory=list)  #: what is wrong still; empty: closed, oriented, manifold
 
+    def __repr__(self) -> str:
+        wrong = self.remaining[0]["message"] if self.remaining else "closed, oriented, manifold"
+        return f"Prepared({self.surface!r}: {wrong})"
+
 
 def quality_of(figures: Optional[dict]) -> Optional[Quality]:
     return None if figures is None else Quality(**figures)

@@ -215,6 +215,21 @@ def test_fork_before_the_first_call():
     assert out == "True\n"
 
 
+def test_fork_after_a_call():
+    """Not promised by TBB (docs/python.md), but what multiprocessing does by itself in this version of Python."""
+    out = output_of("""
+        import multiprocessing, overtet, surfaces
+        def hash_of(model):
+            return overtet.tetrahedralize(*model).hash
+        if __name__ == "__main__":
+            models = [surfaces.worm(300, around) for around in (8, 10)]
+            expected = [hash_of(m) for m in models]
+            with multiprocessing.get_context("fork").Pool(2) as pool:
+                print(pool.map(hash_of, models) == expected)
+        """)
+    assert out == "True\n"
+
+
 def test_no_copies_by_numpy():
     V, F = surfaces.worm(around=60)
     F64 = F.astype(np.int64)

@@ -89,7 +89,8 @@ TEST(SlurmMemory, IsThatOfTheNodeOrOfTheCores) {
   set("SLURM_MEM_PER_NODE", "0");  // all of it
   set("SLURM_MEM_PER_CPU", "9000000000000000000");
   EXPECT_GT(slurm_memory_bytes().value_or(0), 1ll << 50);
-  for (const char* name : {"SLURM_MEM_PER_CPU", "SLURM_CPUS_PER_TASK", "SLURM_MEM_PER_NODE"}) ::unsetenv(name);
+  for (const char* name : {"SLURM_MEM_PER_CPU", "SLURM_CPUS_PER_TASK", "SLURM_MEM_PER_NODE"})
+    ::unsetenv(name);
 }
 
 }  // namespace
