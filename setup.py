@@ -24,7 +24,7 @@ def version():
 
 class BuildWithCMake(build_ext):
     def run(self):
-        build = os.environ.get("OVERTET_BUILD_DIR") or os.path.abspath(self.build_temp)
+        build = os.path.abspath(os.environ.get("OVERTET_BUILD_DIR") or self.build_temp)
         if not os.path.exists(os.path.join(build, "CMakeCache.txt")):
             subprocess.check_call(["cmake", "-S", ROOT, "-B", build, "-DCMAKE_BUILD_TYPE=Release", "-DOVERTET_PYTHON=ON",
                                    "-DOVERTET_TESTS=OFF", "-DPython3_EXECUTABLE=" + sys.executable, *(["-GNinja"] if shutil.which("ninja") else []),
@@ -43,6 +43,9 @@ class BuildWithCMake(build_ext):
                 subprocess.check_call(["strip", "--strip-unneeded", to])
 
 
-setup(version=version(), packages=["overtet"], package_dir={"overtet": "python/overtet"},
+# All that is made on the way goes into build/, as what CMake makes does.
+os.makedirs(os.path.join(ROOT, "build", "pip"), exist_ok=True)
+setup(options={"build": {"build_base": "build/pip"}, "egg_info": {"egg_base": "build/pip"}},
+      version=version(), packages=["overtet"], package_dir={"overtet": "python/overtet"},
       package_data={"overtet": ["py.typed", "*.pyi"]}, include_package_data=False,
       ext_modules=[Extension("overtet._core", [])], cmdclass={"build_ext": BuildWithCMake}, zip_safe=False)
