@@ -1,12 +1,17 @@
-"""What scripts/python_leaks runs under LeakSanitizer: every way in and out, a few times. `leaks.py lose` loses
-something on purpose, to see that it would be found."""
+"""What scripts/python_leaks runs under LeakSanitizer: every way in and out, a few times. `leaks.py lose` loses an
+array on purpose, to see that it would be found."""
+import ctypes
+import gc
 import os
 import sys
 import tempfile
 
-import numpy as np
-import overtet
-import surfaces
+os.environ.pop("LD_PRELOAD", None)  # not for the process that TetGen runs in
+LSAN = ctypes.CDLL(None)
+LSAN.__lsan_disable()  # what is made while modules are imported, and in the first round, may stay
+import numpy as np  # noqa: E402
+import overtet  # noqa: E402
+import surfaces  # noqa: E402
 
 
 def work(folder):
@@ -44,13 +49,17 @@ def work(folder):
 
 def main():
     with tempfile.TemporaryDirectory() as folder:
+        work(folder)
+        LSAN.__lsan_enable()
         for _ in range(3):
             work(folder)
     if sys.argv[1:] == ["lose"]:
-        import ctypes
-        array = overtet.tetrahedralize(*surfaces.cube()).V
-        ctypes.pythonapi.Py_IncRef(ctypes.py_object(array))
-    print("done")
+        ctypes.pythonapi.Py_IncRef(ctypes.py_object(overtet.tetrahedralize(*surfaces.cube()).V))
+    gc.collect()
+    # While the interpreter lives: what it keeps until it ends is no leak.
+    lost = LSAN.__lsan_do_recoverable_leak_check()
+    print("leaks found" if lost else "no leaks", flush=True)
+    os._exit(1 if lost else 0)
 
 
 if __name__ == "__main__":
