@@ -22,6 +22,12 @@ std::string plain(double x, int digits) {
   return text;
 }
 
+std::string shortest(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", x);
+  return text;
+}
+
 // Numbers of one kind of all models that have them.
 template <class Value>
 std::vector<double> values_of(const BatchSummary& s, Value&& value) {
@@ -36,8 +42,6 @@ const JournalEntry& largest_of(const BatchSummary& s, Value&& value) {
   return *std::max_element(s.models.begin(), s.models.end(),
                            [&](const JournalEntry& a, const JournalEntry& b) { return value(a) < value(b); });
 }
-
-bool has_mesh(const JournalEntry& e) { return e.exit_code == 0 && e.status != "failed"; }
 
 // A field of RFC 4180; a leading =, +, - or @ would be a formula to some programs.
 std::string field(std::string text) {
@@ -97,6 +101,8 @@ Result<BatchSummary> summarise(const std::vector<std::string>& journals_or_folde
   for (auto& [name, entry] : last) summary.models.push_back(std::move(entry));
   return summary;
 }
+
+bool has_mesh(const JournalEntry& entry) { return entry.exit_code == 0 && entry.status != "failed"; }
 
 double peak_mib(const JournalEntry& entry) {
   return std::ldexp(static_cast<double>(entry.peak_rss_bytes), -20);
@@ -160,7 +166,7 @@ std::string to_text(const BatchSummary& s) {
   if (!angles.empty())
     text += "meshes    " + std::to_string(angles.size()) + ", " + plain(tets, 0) +
             " tets; smallest dihedral angle: median " + plain(quantile(angles, .5), 1) + " degrees, worst " +
-            plain(quantile(angles, 0), 3) + " degrees\n";
+            shortest(quantile(angles, 0)) + " degrees\n";
   std::size_t shown = 0, without = 0;
   for (const JournalEntry& e : s.models) without += has_mesh(e) ? 0 : 1;
   for (const JournalEntry& e : s.models) {

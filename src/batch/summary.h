@@ -24,6 +24,7 @@ std::string to_json(const BatchSummary& summary);  // {"totals": {...}, "models"
 // One page that needs nothing else: counts, histograms, a table that can be sorted.
 std::string to_html(const BatchSummary& summary);
 
+bool has_mesh(const JournalEntry& entry);
 double peak_mib(const JournalEntry& entry);
 
 // The smallest value that a share of all values (0 to 1) does not exceed; 0 of none.

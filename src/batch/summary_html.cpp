@@ -32,9 +32,9 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
-std::string shortest(double x) {
+std::string axis_label(double x) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.3g", x);
+  std::snprintf(text, sizeof text, std::abs(x) < 1000 ? "%.3g" : "%.0f", x);
   return text;
 }
 
@@ -74,15 +74,15 @@ std::string chart(const std::string& title, const std::vector<double>& values, b
   char text[256];
   std::string svg =
       "<figure><figcaption>" + escaped(title) +
-      "</figcaption><svg role=\"img\" width=\"350\" height=\"180\" viewBox=\"-10 -16 350 180\"><title>" +
+      "</figcaption><svg role=\"img\" width=\"375\" height=\"180\" viewBox=\"-25 -16 375 180\"><title>" +
       escaped(title) + "</title>";
   for (std::size_t i = 0; i < h.counts.size(); ++i) {
     const double tall = height * h.counts[i] / most, left = step * static_cast<double>(i);
     std::snprintf(
         text, sizeof text,
         "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\"><title>%s to %s: %d</title></rect>",
-        left + 1, height - tall, std::max(1., step - 2), tall, shortest(h.limits[i]).c_str(),
-        shortest(h.limits[i + 1]).c_str(), h.counts[i]);
+        left + 1, height - tall, std::max(1., step - 2), tall, axis_label(h.limits[i]).c_str(),
+        axis_label(h.limits[i + 1]).c_str(), h.counts[i]);
     svg += text;
     if (h.counts[i] > 0 && step > 14) {
       std::snprintf(text, sizeof text, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%d</text>",
@@ -93,7 +93,7 @@ std::string chart(const std::string& title, const std::vector<double>& values, b
   const std::size_t every = std::max<std::size_t>(1, (h.limits.size() + 7) / 8);
   for (std::size_t i = 0; i < h.limits.size(); i += every) {
     std::snprintf(text, sizeof text, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%s</text>",
-                  step * static_cast<double>(i), height + 14, shortest(h.limits[i]).c_str());
+                  step * static_cast<double>(i), height + 14, axis_label(h.limits[i]).c_str());
     svg += text;
   }
   std::snprintf(text, sizeof text, "<line x1=\"0\" y1=\"%.0f\" x2=\"%.0f\" y2=\"%.0f\"/></svg></figure>\n",
@@ -139,7 +139,7 @@ std::string table(const BatchSummary& s) {
   for (const JournalEntry& e : s.models)
     html += "<tr><td>" + escaped(e.name) + "</td><td>" + escaped(e.status) + "</td>" + number(e.seconds, 3) +
             number(e.cpu_seconds, 3) + number(peak_mib(e), 1) + number(e.faces, 0) + number(e.tets, 0) +
-            number(e.dihedral_min, 2) + "<td>" + escaped(e.message) + "</td></tr>\n";
+            number(e.dihedral_min, 2) + "<td>" + escaped(has_mesh(e) ? "" : e.message) + "</td></tr>\n";
   return html + "</tbody></table>\n";
 }
 

@@ -89,7 +89,7 @@ std::string clock_time(double seconds) {
 
 // A line for a model: at once, so that a log shows how far the batch is.
 void tell(const JournalEntry& e, const BatchCounts& counts, Terminal& terminal) {
-  const bool meshed = e.exit_code == 0 && e.status != "failed";
+  const bool meshed = has_mesh(e);
   if (terminal.has_bar() && meshed) return;
   std::string text = "[" + std::to_string(counts.done) + "/" + std::to_string(counts.models) + "] " + e.name +
                      ": " + e.status;

@@ -34,8 +34,8 @@ std::map<std::string, std::string> answers_of(const std::string& folder) {
   const auto journals = journals_in(folder);
   for (const std::string& path : journals.value())
     for (const JournalEntry& e : entries_in(path))
-      answers[e.name] = e.status + " " + e.message.substr(0, e.message.find(", checked exactly")) + " " + e.result_hash +
-                        " " + std::to_string(e.outputs.size());
+      answers[e.name] = e.status + " " + e.message.substr(0, e.message.find(", checked exactly")) + " " +
+                        e.result_hash + " " + std::to_string(e.outputs.size());
   // The message of a mesh names its file, which lies in the folder.
   for (auto& [name, answer] : answers)
     if (const auto at = answer.find(folder); at != std::string::npos) answer.erase(at, folder.size());
@@ -58,7 +58,8 @@ class BatchCli : public ::testing::Test {
     ASSERT_TRUE(write_surface(folder_.file("in/" + name), s, surface_format_of(name).value()).ok());
   }
   std::vector<std::string> words(const std::string& out, bool resume = false) {
-    std::vector<std::string> w = {OVERTET_PROGRAM, "batch", folder_.file("in"), "-o", folder_.file(out), "--jobs", "2"};
+    std::vector<std::string> w = {OVERTET_PROGRAM, "batch", folder_.file("in"), "-o", folder_.file(out),
+                                  "--jobs",        "2"};
     if (resume) w.emplace_back("--resume");
     return w;
   }
@@ -76,22 +77,26 @@ class BatchCli : public ::testing::Test {
 };
 
 TEST_F(BatchCli, AnswersAreThoseOfSingleRuns) {
-  const ShellResult r = batch("-o " + folder_.file("out") + " --report " + folder_.file("all.json") + " -- --improve 12");
+  const ShellResult r =
+      batch("-o " + folder_.file("out") + " --report " + folder_.file("all.json") + " -- --improve 12");
   ASSERT_EQ(r.exit_code, 0) << r.err;
   EXPECT_EQ(r.out, "");
   EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 8) << r.err;
   int meshes = 0;
   for (const JournalEntry& e : entries_in(folder_.file("out/journal.jsonl"))) {
-    const ShellResult single = shell(std::string(OVERTET_PROGRAM) + " mesh " + e.input + " -o " + folder_.file("one.mesh") +
-                                     " --improve 12 --threads 2");
+    const ShellResult single = shell(std::string(OVERTET_PROGRAM) + " mesh " + e.input + " -o " +
+                                     folder_.file("one.mesh") + " --improve 12 --threads 2");
     EXPECT_EQ(single.exit_code, e.exit_code) << e.name;
     if (single.exit_code != 0) continue;
     ++meshes;
-    EXPECT_EQ(test::read_text(folder_.file("one.mesh")), test::read_text(folder_.file("out/" + e.name + ".mesh"))) << e.name;
+    EXPECT_EQ(test::read_text(folder_.file("one.mesh")),
+              test::read_text(folder_.file("out/" + e.name + ".mesh")))
+        << e.name;
   }
   EXPECT_EQ(meshes, 5);
   const auto report = nlohmann::json::parse(test::read_text(folder_.file("all.json")));
-  EXPECT_EQ(report["totals"]["statuses"], (nlohmann::json{{"bad-input", 1}, {"exact", 5}, {"infeasible", 1}}));
+  EXPECT_EQ(report["totals"]["statuses"],
+            (nlohmann::json{{"bad-input", 1}, {"exact", 5}, {"infeasible", 1}}));
 }
 
 TEST_F(BatchCli, ShardsTogetherAreTheWhole) {
@@ -120,7 +125,8 @@ TEST_F(BatchCli, KillingItAtAnyMomentLosesNoResult) {
       p.signal(SIGKILL);
       ASSERT_TRUE(p.wait(20).has_value());
       for (const pid_t worker : workers) {
-        for (int i = 0; i < 2000 && test::is_running(worker); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        for (int i = 0; i < 2000 && test::is_running(worker); ++i)
+          std::this_thread::sleep_for(std::chrono::milliseconds(5));
         EXPECT_FALSE(test::is_running(worker));
       }
     }
@@ -159,7 +165,10 @@ TEST_F(BatchCli, SignalsEndItAndItsWorkers) {
     EXPECT_EQ(p.wait(30), expected) << test::read_text(logs_.file("err"));
     EXPECT_NE(test::read_text(logs_.file("err")).find("--resume goes on"), std::string::npos);
     for (const pid_t worker : workers) EXPECT_FALSE(test::is_running(worker));
-    EXPECT_EQ(shell(std::string(OVERTET_PROGRAM) + " batch " + folder_.file("in") + " -o " + folder_.file(out) + " --resume").exit_code, 0);
+    EXPECT_EQ(shell(std::string(OVERTET_PROGRAM) + " batch " + folder_.file("in") + " -o " +
+                    folder_.file(out) + " --resume")
+                  .exit_code,
+              0);
   }
 }
 
@@ -192,7 +201,8 @@ TEST_F(BatchCli, AFullDiskLosesNoResultAndLeavesNoPart) {
     }
   EXPECT_GT(done, 0);
   EXPECT_LT(done, 5);
-  for (const std::string& file : entries_of("disk/out")) EXPECT_FALSE(fs::path(file).filename().string().starts_with("."));
+  for (const std::string& file : entries_of("disk/out"))
+    EXPECT_FALSE(fs::path(file).filename().string().starts_with("."));
   ASSERT_EQ(::mount("none", folder_.file("disk").c_str(), "tmpfs", MS_REMOUNT, "size=20m"), 0);
   EXPECT_EQ(batch("-o " + folder_.file("disk/out") + " --resume").exit_code, 0);
   ASSERT_EQ(::mount("none", folder_.file("disk").c_str(), "tmpfs", MS_REMOUNT | MS_RDONLY, "size=20m"), 0);
@@ -204,8 +214,9 @@ TEST_F(BatchCli, AFullDiskLosesNoResultAndLeavesNoPart) {
 
 TEST_F(BatchCli, TheSummaryWritesTables) {
   ASSERT_EQ(batch("-o " + folder_.file("out")).exit_code, 0);
-  const ShellResult r = shell(std::string(OVERTET_PROGRAM) + " batch --summary " + folder_.file("out") + " --csv " +
-                              folder_.file("t.csv") + " --json " + folder_.file("t.json") + " --html " + folder_.file("t.html"));
+  const ShellResult r = shell(std::string(OVERTET_PROGRAM) + " batch --summary " + folder_.file("out") +
+                              " --csv " + folder_.file("t.csv") + " --json " + folder_.file("t.json") +
+                              " --html " + folder_.file("t.html"));
   ASSERT_EQ(r.exit_code, 0) << r.err;
   EXPECT_NE(r.out.find("5 exact, 1 infeasible, 1 bad-input"), std::string::npos) << r.out;
   const std::string csv = test::read_text(folder_.file("t.csv"));
@@ -215,24 +226,26 @@ TEST_F(BatchCli, TheSummaryWritesTables) {
 }
 
 TEST_F(BatchCli, NamesCanStandInOptions) {
-  ASSERT_EQ(batch("-o " + folder_.file("out") + " -- --on-infeasible refine --save-surface {name}_surface.ply").exit_code, 0);
+  ASSERT_EQ(
+      batch("-o " + folder_.file("out") + " -- --on-infeasible refine --save-surface {name}_surface.ply")
+          .exit_code,
+      0);
   EXPECT_TRUE(fs::exists(folder_.file("out/more/torus_surface.ply")));
 }
 
 TEST_F(BatchCli, WrongUseIsSaid) {
-  const std::pair<const char*, const char*> all[] = {
-      {"", "-o FOLDER"},
-      {"-o OUT --shard 3/2", "I/N"},
-      {"-o OUT --shard x", "I/N"},
-      {"-o OUT --shard 1/2x", "I/N"},
-      {"-o OUT --csv t.csv", "--summary"},
-      {"-o OUT extra", "one folder or manifest"},
-      {"-o OUT -- --output x.mesh", "cannot stand after --"},
-      {"-o OUT -- -o x.mesh", "cannot stand after --"},
-      {"-o OUT -- --threads=3", "--jobs"},
-      {"-o OUT -- --time-limit 3", "before the --"},
-      {"-o OUT -- --improv 3", "do you mean --improve"},
-      {"-o OUT --job 3", "do you mean --jobs"}};
+  const std::pair<const char*, const char*> all[] = {{"", "-o FOLDER"},
+                                                     {"-o OUT --shard 3/2", "I/N"},
+                                                     {"-o OUT --shard x", "I/N"},
+                                                     {"-o OUT --shard 1/2x", "I/N"},
+                                                     {"-o OUT --csv t.csv", "--summary"},
+                                                     {"-o OUT extra", "one folder or manifest"},
+                                                     {"-o OUT -- --output x.mesh", "cannot stand after --"},
+                                                     {"-o OUT -- -o x.mesh", "cannot stand after --"},
+                                                     {"-o OUT -- --threads=3", "--jobs"},
+                                                     {"-o OUT -- --time-limit 3", "before the --"},
+                                                     {"-o OUT -- --improv 3", "do you mean --improve"},
+                                                     {"-o OUT --job 3", "do you mean --jobs"}};
   for (const auto& [given, said] : all) {
     std::string line = given;
     if (const auto at = line.find("OUT"); at != std::string::npos) line.replace(at, 3, folder_.file("out"));

@@ -24,7 +24,8 @@ class Batch : public ::testing::Test {
     fs::create_directories(fs::path(folder_.file("in/" + name)).parent_path());
     test::write_text(folder_.file("in/" + name), text);
   }
-  // Each worker runs the script with the input, output and report as $1, $2, $3, threads and memory as $4, $5.
+  // Each worker runs the script with the input, output and report as $1, $2, $3, threads and memory as $4,
+  // $5.
   BatchOptions options(const std::string& script) {
     BatchOptions o;
     o.models = folder_.file("in");
@@ -32,8 +33,15 @@ class Batch : public ::testing::Test {
     o.cores = 2;
     o.usable_memory_bytes = std::int64_t{4} << 30;
     o.words = [script](const BatchJob& job) {
-      return std::vector<std::string>{"/bin/sh", "-c", script + "\n", "sh", job.model.path, job.output, job.report,
-                                      std::to_string(job.threads), std::to_string(job.memory_limit_bytes)};
+      return std::vector<std::string>{"/bin/sh",
+                                      "-c",
+                                      script + "\n",
+                                      "sh",
+                                      job.model.path,
+                                      job.output,
+                                      job.report,
+                                      std::to_string(job.threads),
+                                      std::to_string(job.memory_limit_bytes)};
     };
     return o;
   }
@@ -53,10 +61,13 @@ class Batch : public ::testing::Test {
     const std::string text = log();
     return std::count(text.begin(), text.end(), '\n');
   }
-  std::string to_log(const std::string& words) { return "echo " + words + " >> " + folder_.file("log") + "\n"; }
+  std::string to_log(const std::string& words) {
+    return "echo " + words + " >> " + folder_.file("log") + "\n";
+  }
 
   const std::string exact =
-      "echo mesh > \"$2\"; echo '{\"status\": \"exact\", \"message\": \"done\", \"result_hash\": \"ab\", \"quality\": "
+      "echo mesh > \"$2\"; echo '{\"status\": \"exact\", \"message\": \"done\", \"result_hash\": \"ab\", "
+      "\"quality\": "
       "{\"tets\": 5, \"dihedral_min\": 17.5}, \"input\": {\"faces\": 4, \"vertices\": 4}}' > \"$3\"; exit 0";
   test::TemporaryFolder folder_;
   RunContext context_;
@@ -95,7 +106,8 @@ TEST_F(Batch, BiggestFirst) {
 TEST_F(Batch, ACrashIsTriedOnceMoreByItself) {
   model("a.obj");
   model("b.obj");
-  const auto done = run(options(to_log("$1 $4") + "case $1 in *a.obj) echo 'overtet: last words' >&2; kill -SEGV $$;; esac; " + exact));
+  const auto done = run(options(
+      to_log("$1 $4") + "case $1 in *a.obj) echo 'overtet: last words' >&2; kill -SEGV $$;; esac; " + exact));
   ASSERT_TRUE(done.ok());
   EXPECT_EQ(listed(done.value().statuses), "1 exact, 1 crashed");
   const JournalEntry a = last("a");
@@ -117,10 +129,11 @@ TEST_F(Batch, AModelThatIsKilledOnceSucceedsInTheEnd) {
 
 TEST_F(Batch, WhatItsShareOfMemoryIsTooLittleForGetsAllOfIt) {
   for (const char* name : {"a.obj", "b.obj"}) model(name);
-  const auto done = run(options(
-      to_log("$1 $5") +
-      "case $1:$5 in *a.obj:*) if [ $5 -lt 3000000000 ]; then echo '{\"status\": \"limit\", \"message\": \"The memory limit of 1 MiB "
-      "was reached.\"}' > \"$3\"; exit 6; fi;; esac; " + exact));
+  const auto done = run(options(to_log("$1 $5") +
+                                "case $1:$5 in *a.obj:*) if [ $5 -lt 3000000000 ]; then echo '{\"status\": "
+                                "\"limit\", \"message\": \"The memory limit of 1 MiB "
+                                "was reached.\"}' > \"$3\"; exit 6; fi;; esac; " +
+                                exact));
   ASSERT_TRUE(done.ok());
   EXPECT_EQ(listed(done.value().statuses), "2 exact");
   EXPECT_EQ(entries().size(), 2u);
@@ -130,7 +143,8 @@ TEST_F(Batch, WhatItsShareOfMemoryIsTooLittleForGetsAllOfIt) {
 
 TEST_F(Batch, AMemoryLimitThatWasGivenIsKept) {
   model("a.obj");
-  BatchOptions o = options("[ $5 = 1000 ] || exit 70; echo '{\"status\": \"limit\", \"message\": \"memory\"}' > \"$3\"; exit 6");
+  BatchOptions o = options(
+      "[ $5 = 1000 ] || exit 70; echo '{\"status\": \"limit\", \"message\": \"memory\"}' > \"$3\"; exit 6");
   o.memory_limit_bytes = 1000;
   ASSERT_TRUE(run(o).ok());
   EXPECT_EQ(last("a").status, "limit");
@@ -149,7 +163,8 @@ TEST_F(Batch, WhatDoesNotEndAtItsTimeLimitIsKilled) {
 
 TEST_F(Batch, ResumingRepeatsOnlyWhatIsNotSettled) {
   for (const char* name : {"a.obj", "b.obj", "c.obj", "d.obj"}) model(name, name);
-  const std::string script = to_log("$1") + "case $1 in *c.obj) [ -e " + folder_.file("late") + " ] || exit 70;; esac; " + exact;
+  const std::string script =
+      to_log("$1") + "case $1 in *c.obj) [ -e " + folder_.file("late") + " ] || exit 70;; esac; " + exact;
   ASSERT_TRUE(run(options(script)).ok());
   EXPECT_EQ(last("c").status, "failed");
   fs::remove(folder_.file("log"));
@@ -187,7 +202,8 @@ TEST_F(Batch, ResultsOfOtherContentsDoNotStay) {
 
 TEST_F(Batch, AFileThatChangesMeanwhileIsReadAgain) {
   model("a.obj", "one");
-  const auto done = run(options("if [ $(cat \"$1\") = one ]; then sleep .05; echo two > \"$1\"; fi; " + exact));
+  const auto done =
+      run(options("if [ $(cat \"$1\") = one ]; then sleep .05; echo two > \"$1\"; fi; " + exact));
   ASSERT_TRUE(done.ok());
   EXPECT_EQ(last("a").status, "exact");
   EXPECT_EQ(last("a").tries, 2);
@@ -202,7 +218,9 @@ TEST_F(Batch, AFileThatChangesMeanwhileIsReadAgain) {
 
 TEST_F(Batch, AFullDiskEndsTheBatchAndKeepsWhatIsDone) {
   for (const char* name : {"a.obj", "b.obj", "c.obj", "d.obj"}) model(name);
-  BatchOptions o = options("case $1 in *b.obj) echo 'overtet: Cannot write x: No space left on device.' >&2; exit 7;; esac; " + exact);
+  BatchOptions o = options(
+      "case $1 in *b.obj) echo 'overtet: Cannot write x: No space left on device.' >&2; exit 7;; esac; " +
+      exact);
   o.jobs = 1;
   const auto done = run(o);
   ASSERT_FALSE(done.ok());
@@ -224,8 +242,10 @@ TEST_F(Batch, OptionsThatWorkersRefuseEndTheBatch) {
 
 TEST_F(Batch, WorkersThatLieAreFailures) {
   for (const char* name : {"a.obj", "b.obj", "c.obj"}) model(name);
-  ASSERT_TRUE(run(options("case $1 in *a.obj) exit 0;; *b.obj) echo '{\"status\": 3}' > \"$3\"; exit 4;; *) echo garbage > \"$3\"; "
-                          "exit 99;; esac")).ok());
+  ASSERT_TRUE(run(options("case $1 in *a.obj) exit 0;; *b.obj) echo '{\"status\": 3}' > \"$3\"; exit 4;; *) "
+                          "echo garbage > \"$3\"; "
+                          "exit 99;; esac"))
+                  .ok());
   EXPECT_EQ(last("a").status, "failed");
   EXPECT_EQ(last("b").status, "unsolved");
   EXPECT_EQ(last("c").status, "failed");
@@ -244,7 +264,8 @@ TEST_F(Batch, OddFilesAreAnswersToo) {
 }
 
 TEST_F(Batch, HostileNamesStayInTheFolder) {
-  const std::string names[] = {"a\nb.obj", "-o.obj", "$(touch x).obj", "'\".obj", "\xff\xfe.obj", std::string(200, 'n') + ".obj"};
+  const std::string names[] = {"a\nb.obj", "-o.obj",       "$(touch x).obj",
+                               "'\".obj",  "\xff\xfe.obj", std::string(200, 'n') + ".obj"};
   for (const std::string& name : names) model(name, name);
   const auto done = run(options(exact));
   ASSERT_TRUE(done.ok());
@@ -257,7 +278,8 @@ TEST_F(Batch, HostileNamesStayInTheFolder) {
 }
 
 TEST_F(Batch, ANameThatIsTooLongHarmsNoOther) {
-  test::write_text(folder_.file("list"), "in/a.obj\n{\"input\": \"in/b.obj\", \"output\": \"" + std::string(300, 'n') + "/x\"}\n");
+  test::write_text(folder_.file("list"),
+                   "in/a.obj\n{\"input\": \"in/b.obj\", \"output\": \"" + std::string(300, 'n') + "/x\"}\n");
   model("a.obj");
   model("b.obj");
   BatchOptions o = options(exact);

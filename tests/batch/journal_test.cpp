@@ -77,8 +77,8 @@ TEST(Journal, LinesThatAreCutOffAreSkipped) {
 
 TEST(Journal, WhatIsNoEntryIsSkipped) {
   std::string line = to_line(some_entry("a"));
-  for (const char* other : {"", "[]", "null", "{}", "{\"journal\":1}", "{\"journal\":2,\"name\":\"x\"}", "\x01\x02",
-                            "{\"journal\":1,\"name\":3}"}) {
+  for (const char* other : {"", "[]", "null", "{}", "{\"journal\":1}", "{\"journal\":2,\"name\":\"x\"}",
+                            "\x01\x02", "{\"journal\":1,\"name\":3}"}) {
     const JournalContents c = journal_of(line + other + "\n" + line);
     EXPECT_EQ(c.entries.size(), 2u) << other;
     EXPECT_EQ(c.wrong_lines.size(), *other ? 1u : 0u) << other;
@@ -176,7 +176,8 @@ TEST(Journal, WhatIsSettled) {
   const auto is_settled = [&](const JournalEntry& entry, double time, std::int64_t memory) {
     return settled(entry, {{"a.mesh", folder.file("a.mesh")}}, time, memory);
   };
-  for (const char* status : {"exact", "repaired", "refined", "branched", "infeasible", "unsolved", "bad-input"})
+  for (const char* status :
+       {"exact", "repaired", "refined", "branched", "infeasible", "unsolved", "bad-input"})
     EXPECT_TRUE(is_settled(with(status), 99, 5000)) << status;
   for (const char* status : {"crashed", "failed", "interrupted", ""})
     EXPECT_FALSE(is_settled(with(status), 12.5, 1000)) << status;
@@ -196,7 +197,8 @@ TEST(ContentHash, IsSha256) {
   test::write_text(folder.file("abc"), "abc");
   const auto state = state_of(folder.file("abc"));
   ASSERT_TRUE(state.ok());
-  EXPECT_EQ(state.value().sha256, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");  // FIPS 180-2
+  EXPECT_EQ(state.value().sha256,
+            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");  // FIPS 180-2
   EXPECT_TRUE(unchanged_since(state.value(), folder.file("abc")));
   test::write_text(folder.file("abc"), "abd");
   std::filesystem::last_write_time(folder.file("abc"), std::filesystem::file_time_type::clock::now());
@@ -209,11 +211,13 @@ TEST(ContentHash, IsSha256) {
 TEST(Leftovers, AreUnfinishedNeighboursOfResults) {
   EXPECT_EQ(finished_name(".a.mesh.4711.0"), "a.mesh");
   EXPECT_EQ(finished_name(".a.mesh.Xy12ab"), "a.mesh");
-  for (const char* other : {"a.mesh", ".a", ".", "", ".hidden.txt", ".a.mesh.12.", "..", ".4711.0", ".a.mesh.Xy12abc"})
+  for (const char* other :
+       {"a.mesh", ".a", ".", "", ".hidden.txt", ".a.mesh.12.", "..", ".4711.0", ".a.mesh.Xy12abc"})
     EXPECT_TRUE(finished_name(other) == "" || finished_name(other) != "a.mesh") << other;
   const test::TemporaryFolder folder;
   std::filesystem::create_directory(folder.file("sub"));
-  for (const char* name : {".a.mesh.12.0", ".other.mesh.12.0", "a.mesh", "sub/.b.json.abc123", "sub/.a.mesh.12.0"})
+  for (const char* name :
+       {".a.mesh.12.0", ".other.mesh.12.0", "a.mesh", "sub/.b.json.abc123", "sub/.a.mesh.12.0"})
     test::write_text(folder.file(name), "x");
   remove_leftovers(folder.path(), {folder.file("a.mesh"), folder.file("sub/b.json")});
   EXPECT_EQ(folder.entries(), 3);

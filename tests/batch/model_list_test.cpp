@@ -41,7 +41,8 @@ TEST(ModelList, LinesAreRelativeToTheManifest) {
 }
 
 TEST(ModelList, NamesDifferAndStayInTheFolder) {
-  const auto models = listed_models("a.obj\na.off\na.off\n../../etc/x.obj\n/etc/x.obj\n./b.obj\nb.OBJ.gz\na_2.off\n");
+  const auto models =
+      listed_models("a.obj\na.off\na.off\n../../etc/x.obj\n/etc/x.obj\n./b.obj\nb.OBJ.gz\na_2.off\n");
   std::set<std::string> names;
   for (const Model& m : models) {
     EXPECT_TRUE(names.insert(m.name).second) << m.name;
@@ -54,8 +55,10 @@ TEST(ModelList, NamesDifferAndStayInTheFolder) {
 
 TEST(ModelList, JsonLinesCanSayAnything) {
   const auto models =
-      listed_models(R"({"input": "odd\nname.obj", "output": "n/1", "options": ["--improve", "20"]})" "\n"
-                    R"({"input": "b.off"})" "\n");
+      listed_models(R"({"input": "odd\nname.obj", "output": "n/1", "options": ["--improve", "20"]})"
+                    "\n"
+                    R"({"input": "b.off"})"
+                    "\n");
   ASSERT_EQ(names_of(models), (std::vector<std::string>{"b", "n/1"}));
   EXPECT_EQ(models[1].path, "dir/odd\nname.obj");
   EXPECT_EQ(models[1].options, (std::vector<std::string>{"--improve", "20"}));
@@ -63,9 +66,10 @@ TEST(ModelList, JsonLinesCanSayAnything) {
 
 TEST(ModelList, WrongLinesAreNamed) {
   EXPECT_NE(refusal("a.obj\n{\"output\": \"x\"}\n").find("line 2"), std::string::npos);
-  for (const char* line : {"{", "{}", "{\"input\": 3}", "{\"input\": \"\"}", "{\"input\": \"a.obj\", \"outptu\": \"b\"}",
-                           "{\"input\": \"a.obj\", \"output\": \"..\"}", "{\"input\": \"a.obj\", \"options\": \"-q\"}",
-                           "{\"input\": \"a.obj\", \"options\": [1]}"})
+  for (const char* line :
+       {"{", "{}", "{\"input\": 3}", "{\"input\": \"\"}", "{\"input\": \"a.obj\", \"outptu\": \"b\"}",
+        "{\"input\": \"a.obj\", \"output\": \"..\"}", "{\"input\": \"a.obj\", \"options\": \"-q\"}",
+        "{\"input\": \"a.obj\", \"options\": [1]}"})
     EXPECT_NE(refusal(std::string(line) + "\n").find("line 1"), std::string::npos) << line;
   EXPECT_NE(refusal("..\n"), "");
   EXPECT_NE(refusal(std::string("a\0b.obj\n", 8)), "");
@@ -77,8 +81,8 @@ TEST(ModelList, FoldersAreWalkedWithoutTheResults) {
     fs::create_directories(fs::path(folder.file(name)).parent_path());
     test::write_text(folder.file(name), "x");
   };
-  for (const char* name : {"b.obj", "A.OFF", "deep/er/c.stl.gz", "notes.txt", "mesh.mesh", "out/b.obj", "-dash.ply",
-                           "line\nend.off", "\xff\xfe.obj"})
+  for (const char* name : {"b.obj", "A.OFF", "deep/er/c.stl.gz", "notes.txt", "mesh.mesh", "out/b.obj",
+                           "-dash.ply", "line\nend.off", "\xff\xfe.obj"})
     put(name);
   fs::create_symlink("b.obj", folder.file("link.obj"));
   fs::create_symlink("nowhere.obj", folder.file("dangling.obj"));

@@ -12,7 +12,8 @@
 namespace overtet {
 namespace {
 
-JournalEntry entry(const std::string& name, const std::string& status, double seconds, const std::string& ended) {
+JournalEntry entry(const std::string& name, const std::string& status, double seconds,
+                   const std::string& ended) {
   JournalEntry e;
   e.name = name;
   e.status = status;
@@ -25,8 +26,9 @@ JournalEntry entry(const std::string& name, const std::string& status, double se
 
 TEST(Summary, TheLastLineOfAModelCounts) {
   const test::TemporaryFolder folder;
-  test::write_text(folder.file("journal-1-of-2.jsonl"), to_line(entry("a", "limit", 9, "2026-11-30T10:00:00Z")) +
-                                                            to_line(entry("a", "exact", 1, "2026-11-30T11:00:00Z")));
+  test::write_text(folder.file("journal-1-of-2.jsonl"),
+                   to_line(entry("a", "limit", 9, "2026-11-30T10:00:00Z")) +
+                       to_line(entry("a", "exact", 1, "2026-11-30T11:00:00Z")));
   test::write_text(folder.file("journal-2-of-2.jsonl"),
                    to_line(entry("b", "infeasible", 2, "2026-11-30T10:00:00Z")) + "cut o");
   const auto made = summarise({folder.path()});
@@ -45,7 +47,8 @@ TEST(Summary, TheLastLineOfAModelCounts) {
 
 TEST(Summary, AnyNameCanStandInATable) {
   BatchSummary s;
-  for (const char* name : {"plain", "a,b", "quo\"te", "line\nend", "=1+1", "<script>alert(1)</script>", "\x01", "caf\xe9"})
+  for (const char* name :
+       {"plain", "a,b", "quo\"te", "line\nend", "=1+1", "<script>alert(1)</script>", "\x01", "caf\xe9"})
     s.models.push_back(entry(name, "exact", 1, ""));
   const std::string csv = to_csv(s), html = to_html(s);
   EXPECT_NE(csv.find("\"a,b\",exact"), std::string::npos);
@@ -90,7 +93,8 @@ TEST(Summary, HistogramsCountEveryValueOnce) {
     const bool logarithmic = round % 2 == 0;
     std::vector<double> x(1 + random() % 60);
     const double scale = std::pow(10, static_cast<double>(random() % 9) - 4);
-    for (double& v : x) v = scale * (1e-3 + static_cast<double>(random() % 1000)) * (random() % 5 == 0 ? 100 : 1);
+    for (double& v : x)
+      v = scale * (1e-3 + static_cast<double>(random() % 1000)) * (random() % 5 == 0 ? 100 : 1);
     const Histogram h = histogram(x, logarithmic);
     ASSERT_EQ(h.limits.size(), h.counts.size() + 1);
     EXPECT_EQ(std::accumulate(h.counts.begin(), h.counts.end(), 0), static_cast<int>(x.size()));
