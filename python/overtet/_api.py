@@ -1,13 +1,14 @@
 """The functions of overtet."""
 from __future__ import annotations
 
+import json
 import os
 from typing import Any, Callable, List, Optional, Union
 
 import numpy as np
 
 from . import _arrays, _core
-from ._errors import Error, UsageError
+from ._errors import UsageError
 from ._types import (CleanUp, Diagnosis, Mesh, Prepared, Repair, Surface, Verification, clean_up_of, mesh_dict,
                      quality_of, surface_dict)
 
@@ -116,7 +117,6 @@ def tetrahedralize(V: Any, F: Any = None, *, labels: Any = None, on_infeasible: 
 
 
 def _mesh(made: dict) -> Mesh:
-    import json
     if "report" in made:
         made["report"] = json.loads(made["report"])
         made["quality"] = quality_of(made["quality"])
@@ -131,7 +131,6 @@ def inspect(V: Any, F: Any = None, *, threads: int = 0, time_limit: Optional[flo
 
     Raises Limit, UsageError, InternalError, KeyboardInterrupt; BadInput only for numbers that do not fit into 32 bits.
     """
-    import json
     surface = surface_dict(_surface(V, F))
     found = _core.inspect(surface["V"], surface["F"], _run(threads, time_limit, memory_limit, progress, log))
     found["certificate"] = None if found["certificate"] is None else json.loads(found["certificate"])
@@ -184,7 +183,6 @@ def repair(V: Any, F: Any = None, max_move: float = .06, *, threads: int = 0, ti
     surface = surface_dict(_surface(V, F))
     if not 0 <= max_move <= 1:
         raise UsageError(f"max_move is {max_move}; it must be from 0 to 1.")
-    import json
     made = _core.repair(surface["V"], surface["F"], float(max_move),
                         _run(threads, time_limit, memory_limit, progress, log))
     made["report"] = json.loads(made["report"])
@@ -287,4 +285,4 @@ def version() -> str:
 
 
 __all__ = ["tetrahedralize", "inspect", "verify", "repair", "clean_up", "prepare", "read", "read_mesh", "write",
-           "version", "Error"]
+           "version"]
