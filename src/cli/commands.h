@@ -86,6 +86,11 @@ struct BatchCommand {
   std::vector<std::string> mesh_options;  // what stands after --
 };
 
+struct ViewCommand {
+  std::string input, output;
+  bool open = false;  // in the browser
+};
+
 // Each returns the exit code.
 int run(const MeshCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const InspectCommand& command, const CommonOptions& common, Terminal& terminal);
@@ -93,6 +98,7 @@ int run(const RepairCommand& command, const CommonOptions& common, Terminal& ter
 int run(const PrepareCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const VerifyCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const ConvertCommand& command, const CommonOptions& common, Terminal& terminal);
+int run(const ViewCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const BatchCommand& command, const CommonOptions& common, Terminal& terminal);
 
 // The format that is asked for by name, else that of the ending; says so where they differ.

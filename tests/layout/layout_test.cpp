@@ -164,7 +164,8 @@ TEST(Layout, TheLibraryNamesNoOptionOfTheProgram) {
   for (const char* top : {"include", "kernels", "src"})
     for (const auto& entry : fs::recursive_directory_iterator(root / top)) {
       const std::string file = fs::relative(entry.path(), root).string();
-      if (!entry.is_regular_file() || file.starts_with("src/cli/") || file.starts_with("src/batch/")) continue;
+      if (!entry.is_regular_file() || file.starts_with("src/cli/") || file.starts_with("src/batch/"))
+        continue;
       std::ifstream in(entry.path());
       for (std::string line; std::getline(in, line);)
         EXPECT_FALSE(std::regex_search(line, flag)) << file << ": " << line;
