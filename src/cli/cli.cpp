@@ -10,6 +10,7 @@
 #include "overtet/version.h"
 #include "src/cli/arguments.h"
 #include "src/cli/commands.h"
+#include "src/cli/memory.h"
 #include "src/cli/shell_help.h"
 #include "src/cli/signals.h"
 #include "src/cli/tuning.h"
@@ -459,7 +460,6 @@ int parse_and_run(int argc, char** argv) {
   }
   Terminal terminal(common.quiet ? LogLevel::error : level_named(common.log_level),
                     common.quiet ? Terminal::Talk::errors_only : Terminal::Talk::all);
-  install_signal_handlers();
   if (*mesh_app) return run(mesh, common, terminal);
   if (*inspect_app) return run(inspect, common, terminal);
   if (*repair_app) return run(repair, common, terminal);
@@ -513,22 +513,41 @@ std::string with_hint(const Error& error) {
 }
 
 int fail(Terminal& terminal, const Error& error) {
-  terminal.error(with_hint(error));
+  terminal.error(with_hint(explained(error)));
   return exit_code(error.code);
 }
 
-int run_command_line(int argc, char** argv) {
+int fail(Watchdog& watchdog, Terminal& terminal, const Error& error) {
+  watchdog.settle(error.code);
+  return fail(terminal, error);
+}
+
+namespace {
+
+// Says what the exception that is being handled means, and gives the exit code for it.
+int last_error() {
   try {
-    return parse_and_run(argc, argv);
-  } catch (const std::bad_alloc&) {
-    std::fputs("overtet: There is not enough memory.\n", stderr);
-    return static_cast<int>(ErrorCode::limit);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "overtet: Internal error, please report it: %s.\n", e.what());
+    const Error error = explained(caught_error());
+    std::fprintf(stderr, "overtet: %s\n", with_hint(error).c_str());
+    return exit_code(error.code);
   } catch (...) {
-    std::fputs("overtet: Internal error, please report it.\n", stderr);
+    end_for_memory("overtet: There is not enough memory.\n");
   }
-  return static_cast<int>(ErrorCode::internal);
+}
+
+}  // namespace
+
+int run_command_line(int argc, char** argv) {
+  install_memory_handlers();
+  int code = 0;
+  try {
+    install_signal_handlers();
+    code = parse_and_run(argc, argv);
+  } catch (...) {
+    code = last_error();
+  }
+  leaving();
+  return code;
 }
 
 }  // namespace overtet

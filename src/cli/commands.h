@@ -13,6 +13,8 @@
 
 namespace overtet {
 
+class Watchdog;
+
 struct CommonOptions {
   int threads = 0;          // 0: all cores
   double time_limit = 0;    // seconds; 0: none
@@ -116,7 +118,8 @@ struct OutputAndReport {
 // The error's sentence, with the option that raises the limit where it is about one.
 std::string with_hint(const Error& error);
 
-// Says what went wrong and gives the exit code for it.
+// Says what went wrong and gives the exit code for it. With a watchdog: unless that has said so.
 int fail(Terminal& terminal, const Error& error);
+int fail(Watchdog& watchdog, Terminal& terminal, const Error& error);
 
 }  // namespace overtet

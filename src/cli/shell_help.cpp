@@ -46,7 +46,8 @@ CommandHelp help_of(const CLI::App& app) {
     auto& option = const_cast<CLI::Option&>(*given);  // CLI11 shows validators of what may be changed only
     OptionHelp o;
     o.positional = option.get_positional();
-    if (o.positional) o.names = {option.get_name(true)};
+    if (o.positional)
+      o.names = {option.get_name(true)};
     else {
       for (const std::string& name : option.get_snames()) o.names.push_back("-" + name);
       for (const std::string& name : option.get_lnames()) o.names.push_back("--" + name);
@@ -58,13 +59,15 @@ CommandHelp help_of(const CLI::App& app) {
     o.is_required = option.get_required();
     help.options.push_back(std::move(o));
   }
-  std::stable_partition(help.options.begin(), help.options.end(), [](const OptionHelp& o) { return o.positional; });
+  std::stable_partition(help.options.begin(), help.options.end(),
+                        [](const OptionHelp& o) { return o.positional; });
   return help;
 }
 
 std::vector<CommandHelp> commands_of(const CLI::App& app) {
   std::vector<CommandHelp> all;
-  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) all.push_back(help_of(*command));
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    all.push_back(help_of(*command));
   return all;
 }
 
@@ -91,7 +94,8 @@ std::string value_name(const OptionHelp& o) {
     return all;
   }
   std::string name = o.names.back().substr(o.names.back().rfind('-') + 1);
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   return name;
 }
 
@@ -106,17 +110,20 @@ std::string roff_option(const OptionHelp& o) {
 std::string synopsis(const CommandHelp& command) {
   std::string text = ".B overtet " + command.name + "\n";
   for (const OptionHelp& o : command.options) {
-    if (o.positional) text += ".I " + o.names[0] + (o.repeats ? "..." : "") + "\n";
-    else if (o.is_required) text += ".B " + roff(o.names.back()) + "\n.I " + value_name(o) + "\n";
+    if (o.positional)
+      text += ".I " + o.names[0] + (o.repeats ? "..." : "") + "\n";
+    else if (o.is_required)
+      text += ".B " + roff(o.names.back()) + "\n.I " + value_name(o) + "\n";
   }
   return text + "[\\fIoptions\\fR]\n";
 }
 
 std::string manual_of_command(const CommandHelp& command) {
   const std::string name = "overtet-" + command.name;
-  std::string text = ".TH " + roff(name) + " 1 \"\" \"Overtet " + version() + "\" \"User Commands\"\n.SH NAME\n" +
-                     roff(name) + " \\- " + roff(command.text) + "\n.SH SYNOPSIS\n" + synopsis(command) +
-                     ".SH DESCRIPTION\n" + roff(command.text) + ".\n";
+  std::string text = ".TH " + roff(name) + " 1 \"\" \"Overtet " + version() +
+                     "\" \"User Commands\"\n.SH NAME\n" + roff(name) + " \\- " + roff(command.text) +
+                     "\n.SH SYNOPSIS\n" + synopsis(command) + ".SH DESCRIPTION\n" + roff(command.text) +
+                     ".\n";
   text += ".SH OPTIONS\n";
   for (const OptionHelp& o : command.options) text += roff_option(o);
   if (!command.footer.empty()) text += ".SH NOTES\n" + roff(command.footer) + "\n";
@@ -124,16 +131,19 @@ std::string manual_of_command(const CommandHelp& command) {
 }
 
 std::string manual_of_program(const CLI::App& app) {
-  std::string text = ".TH overtet 1 \"\" \"Overtet " + version() +
-                     "\" \"User Commands\"\n.SH NAME\novertet \\- tetrahedral meshes of surfaces that pass through "
-                     "themselves\n.SH SYNOPSIS\n.B overtet\n.I COMMAND\n[\\fIoptions\\fR]\n.SH DESCRIPTION\n" +
-                     roff(app.get_description()) + "\n.SH COMMANDS\n";
-  for (const CommandHelp& c : commands_of(app)) text += ".TP\n\\fB" + c.name + "\\fR\n" + roff(c.text) + ".\n";
+  std::string text =
+      ".TH overtet 1 \"\" \"Overtet " + version() +
+      "\" \"User Commands\"\n.SH NAME\novertet \\- tetrahedral meshes of surfaces that pass through "
+      "themselves\n.SH SYNOPSIS\n.B overtet\n.I COMMAND\n[\\fIoptions\\fR]\n.SH DESCRIPTION\n" +
+      roff(app.get_description()) + "\n.SH COMMANDS\n";
+  for (const CommandHelp& c : commands_of(app))
+    text += ".TP\n\\fB" + c.name + "\\fR\n" + roff(c.text) + ".\n";
   text += ".SH OPTIONS\n";
   for (const OptionHelp& o : help_of(app).options) text += roff_option(o);
   text += ".SH NOTES\n" + roff(app.get_footer()) + "\n.SH SEE ALSO\n";
   std::string pages;
-  for (const CommandHelp& c : commands_of(app)) pages += std::string(pages.empty() ? "" : " ,\n") + ".BR overtet\\-" + c.name + " (1)";
+  for (const CommandHelp& c : commands_of(app))
+    pages += std::string(pages.empty() ? "" : " ,\n") + ".BR overtet\\-" + c.name + " (1)";
   return text + pages + "\n";
 }
 
@@ -156,20 +166,22 @@ std::vector<std::string> option_names(const CommandHelp& c) {
 std::string bash_completion(const std::vector<CommandHelp>& commands) {
   std::vector<std::string> names = {"help", "--help", "--version"};
   for (const CommandHelp& c : commands) names.push_back(c.name);
-  std::string text = "# Completion of overtet for bash; made by overtet completion bash.\n_overtet() {\n"
-                     "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} command=${COMP_WORDS[1]}\n"
-                     "  COMPREPLY=()\n  if [ \"$COMP_CWORD\" = 1 ]; then\n    COMPREPLY=($(compgen -W '" +
-                     joined(names) + "' -- \"$word\") $(compgen -f -- \"$word\"))\n    return\n  fi\n  case $command in\n";
+  std::string text =
+      "# Completion of overtet for bash; made by overtet completion bash.\n_overtet() {\n"
+      "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} command=${COMP_WORDS[1]}\n"
+      "  COMPREPLY=()\n  if [ \"$COMP_CWORD\" = 1 ]; then\n    COMPREPLY=($(compgen -W '" +
+      joined(names) + "' -- \"$word\") $(compgen -f -- \"$word\"))\n    return\n  fi\n  case $command in\n";
   for (const CommandHelp& c : commands) {
     text += "    " + c.name + ")\n      case $before in\n";
     for (const OptionHelp& o : c.options)
       if (!o.words.empty() && !o.positional) {
         std::string pattern;
         for (const std::string& name : o.names) pattern += (pattern.empty() ? "" : "|") + name;
-        text += "        " + pattern + ") COMPREPLY=($(compgen -W '" + joined(o.words) + "' -- \"$word\")); return ;;\n";
+        text += "        " + pattern + ") COMPREPLY=($(compgen -W '" + joined(o.words) +
+                "' -- \"$word\")); return ;;\n";
       }
-    text += "      esac\n      case $word in\n        -*) COMPREPLY=($(compgen -W '" + joined(option_names(c)) +
-            "' -- \"$word\")); return ;;\n      esac ;;\n";
+    text += "      esac\n      case $word in\n        -*) COMPREPLY=($(compgen -W '" +
+            joined(option_names(c)) + "' -- \"$word\")); return ;;\n      esac ;;\n";
     for (const OptionHelp& o : c.options)
       if (o.positional && !o.words.empty())
         text.insert(text.size() - std::string(" ;;\n").size(),
@@ -177,7 +189,8 @@ std::string bash_completion(const std::vector<CommandHelp>& commands) {
   }
   names.erase(names.begin(), names.begin() + 3);
   return text + "    help) COMPREPLY=($(compgen -W '" + joined(names) +
-         "' -- \"$word\")); return ;;\n  esac\n  COMPREPLY=($(compgen -f -- \"$word\"))\n}\ncomplete -o filenames -F _overtet overtet\n";
+         "' -- \"$word\")); return ;;\n  esac\n  COMPREPLY=($(compgen -f -- \"$word\"))\n}\ncomplete -o "
+         "filenames -F _overtet overtet\n";
 }
 
 // Within [ ] and : of zsh, and within its quotes.
@@ -187,22 +200,26 @@ std::string zsh(std::string text) {
 }
 
 std::string zsh_completion(const std::vector<CommandHelp>& commands) {
-  std::string text = "#compdef overtet\n# Completion of overtet for zsh; made by overtet completion zsh.\n_overtet() {\n"
-                     "  local -a commands\n  commands=(\n";
+  std::string text =
+      "#compdef overtet\n# Completion of overtet for zsh; made by overtet completion zsh.\n_overtet() {\n"
+      "  local -a commands\n  commands=(\n";
   for (const CommandHelp& c : commands) text += "    '" + c.name + ":" + zsh(c.text) + "'\n";
-  text += "    'help:Explain a command'\n  )\n  if (( CURRENT == 2 )); then\n    _describe command commands\n    _files\n    return\n  fi\n"
-          "  local command=$words[2]\n  shift words\n  (( CURRENT-- ))\n  case $command in\n";
+  text +=
+      "    'help:Explain a command'\n  )\n  if (( CURRENT == 2 )); then\n    _describe command commands\n    "
+      "_files\n    return\n  fi\n"
+      "  local command=$words[2]\n  shift words\n  (( CURRENT-- ))\n  case $command in\n";
   for (const CommandHelp& c : commands) {
     text += "    " + c.name + ")\n      _arguments -S";
     for (const OptionHelp& o : c.options) {
       const std::string words = o.words.empty() ? "_files" : "(" + joined(o.words) + ")";
       if (o.positional) {
-        text += std::string(" \\\n        '") + (o.repeats ? "*" : "") + ":" + zsh(o.names[0]) + ":" + words + "'";
+        text += std::string(" \\\n        '") + (o.repeats ? "*" : "") + ":" + zsh(o.names[0]) + ":" + words +
+                "'";
         continue;
       }
       for (const std::string& name : o.names)
-        text += " \\\n        '" + name + (o.takes_value ? (name.starts_with("--") ? "=" : "+") : "") + "[" + zsh(o.text) + "]" +
-                (o.takes_value ? ":" + zsh(value_name(o)) + ":" + words : "") + "'";
+        text += " \\\n        '" + name + (o.takes_value ? (name.starts_with("--") ? "=" : "+") : "") + "[" +
+                zsh(o.text) + "]" + (o.takes_value ? ":" + zsh(value_name(o)) + ":" + words : "") + "'";
     }
     text += " ;;\n";
   }
@@ -226,7 +243,8 @@ std::string fish_completion(const std::vector<CommandHelp>& commands) {
         continue;
       }
       text += here;
-      for (const std::string& name : o.names) text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
+      for (const std::string& name : o.names)
+        text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
       if (o.takes_value) text += o.words.empty() ? " -r -F" : " -x -a " + fish(joined(o.words));
       text += " -d " + fish(o.text) + "\n";
     }
@@ -244,7 +262,9 @@ Result<std::string> manual_of(const CLI::App& app, const std::string& command) {
 
 std::string completion_for(const std::string& shell, const CLI::App& app) {
   const std::vector<CommandHelp> commands = commands_of(app);
-  return shell == "bash" ? bash_completion(commands) : shell == "zsh" ? zsh_completion(commands) : fish_completion(commands);
+  return shell == "bash"  ? bash_completion(commands)
+         : shell == "zsh" ? zsh_completion(commands)
+                          : fish_completion(commands);
 }
 
 }  // namespace overtet
