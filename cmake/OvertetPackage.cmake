@@ -1,5 +1,6 @@
-# cpack -G DEB: two packages for Debian, `overtet` (the program and its helper) and `libovertet-dev` (headers and the
-# static library, which needs the helper). Of a static build: nobody has asked for a package of the shared library yet.
+# cpack -G DEB: packages for Debian, `overtet` (the program and its helper), `libovertet-dev` (headers and the static
+# library, which needs the helper) and, with OVERTET_PYTHON, `python3-overtet` (which needs the helper, too). Of a static
+# build: nobody has asked for a package of the shared library yet.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME overtet)
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "tetrahedral meshes of surfaces that pass through themselves")
@@ -9,6 +10,9 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
   OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 set(CPACK_COMPONENTS_ALL program development)
+if(OVERTET_PYTHON)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
@@ -34,6 +38,22 @@ set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION
 the surface does. This package has what programs need that call it: the headers,
 a static library, and its descriptions for CMake and pkg-config.")
 
+if(OVERTET_PYTHON)
+  math(EXPR next_minor "${Python3_VERSION_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-overtet)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "overtet (= ${PROJECT_VERSION}), \
+python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${next_minor}), python3-numpy, libcholmod${cholmod_version}")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-meshio, python3-vtk9, python3-matplotlib")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA
+    ${CMAKE_SOURCE_DIR}/cmake/debian/python/postinst ${CMAKE_SOURCE_DIR}/cmake/debian/python/prerm)
+  set(CPACK_DEBIAN_PYTHON_DESCRIPTION
+    "Overtet fills a closed triangle surface with tetrahedra that overlap where
+the surface does. This package has the module overtet for Python: numpy arrays
+in, numpy arrays out.")
+endif()
+
 # What Debian's policy wants beside every package.
 find_program(GZIP gzip)
 file(READ ${CMAKE_SOURCE_DIR}/LICENSE license)
@@ -44,7 +64,8 @@ else()
   message(WARNING "${cadical_licence} is missing: packages made here lack CaDiCaL's licence, so do not pass them on.")
 endif()
 configure_file(cmake/debian/copyright.in package/copyright @ONLY)
-foreach(component PROGRAM DEVELOPMENT)
+foreach(component ${CPACK_COMPONENTS_ALL})
+  string(TOUPPER ${component} component)
   set(PACKAGE ${CPACK_DEBIAN_${component}_PACKAGE_NAME})
   string(TOLOWER ${component} lower)
   set(doc_dir ${CMAKE_INSTALL_DATAROOTDIR}/doc/${PACKAGE})

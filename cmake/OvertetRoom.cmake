@@ -58,6 +58,10 @@ function(overtet_test name)
     gmpxx gmp)  # for messages with exact numbers
   # Tests need not be fast, but quick to build. -O1 gives the same numbers as -O3.
   target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+  if(CMAKE_POSITION_INDEPENDENT_CODE)  # CMake would say -fPIE, and precompiled headers of -fPIC be of no use
+    set_target_properties(test_${name} PROPERTIES POSITION_INDEPENDENT_CODE OFF)
+    target_compile_options(test_${name} PRIVATE -fPIC)
+  endif()
   target_precompile_headers(test_${name} REUSE_FROM overtet_test_support)
   overtet_unity(test_${name})
   gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${timeout} LABELS ${label})

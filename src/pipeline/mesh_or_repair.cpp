@@ -49,6 +49,7 @@ Result<std::optional<TetMesh>> mesh_as_it_is(const Surface& surface, const Meshi
   report.certificate = run.certificate();
   if (mesh) return std::optional(std::move(mesh).value());
   if (options.on_infeasible == OnInfeasible::reject || !repairable(mesh.error())) return mesh.error();
+  if (!run.diagnosis().topology.problems.empty()) return mesh.error();  // no move of vertices mends faces
   if (options.on_infeasible != OnInfeasible::repair && !refinable(mesh.error(), run.diagnosis()))
     return beyond_refining(mesh.error());
   failure = {mesh.error(), run.diagnosis(), run.unglued(), run.parts()};

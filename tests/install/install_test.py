@@ -1,5 +1,5 @@
-"""Installs a build into a new folder and uses it from outside: the program, a consumer that CMake builds, and the
-same one that pkg-config describes.
+"""Installs a build into a new folder and uses it from outside: the program, the Python module if it was built, a
+consumer that CMake builds, and the same one that pkg-config describes.
 
 usage: install_test.py SOURCE BUILD CXX
 """
@@ -10,6 +10,11 @@ import tempfile
 
 SOURCE, BUILD, CXX = (os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2]), sys.argv[3])
 CONSUMER = os.path.join(SOURCE, "tests", "install", "consumer")
+
+USE_PYTHON = """import overtet, sys
+overtet.write(sys.argv[2], overtet.tetrahedralize(overtet.clean_up(overtet.read(sys.argv[1]))))
+print(overtet._api._helper())
+"""
 
 
 def run(*command, expect=0, **more):
@@ -52,6 +57,14 @@ def main():
         program = os.path.join(prefix, "bin", "overtet")
         expected = os.path.join(temporary, "program.mesh")
         run(program, "mesh", worm, "-o", expected)
+
+        module = os.path.join(prefix, "lib", "python3", "dist-packages")
+        assert os.path.exists(module) == os.path.exists(os.path.join(BUILD, "python")), "the Python module is not installed"
+        if os.path.exists(module):
+            out = os.path.join(temporary, "module.mesh")
+            told = run("/usr/bin/python3", "-B", "-c", USE_PYTHON, worm, out, env=dict(os.environ, PYTHONPATH=module))
+            assert told.split() == [helper], told
+            assert text_of(out) == text_of(expected), "the module makes another mesh than the program"
 
         # Linked statically, a program cannot know where the prefix was moved to: it is told.
         def check(consumer):

@@ -10,6 +10,11 @@ import subprocess
 import sys
 import tempfile
 
+USE_PYTHON = """import overtet, sys
+mesh = overtet.tetrahedralize(overtet.clean_up(overtet.read(sys.argv[1])))
+overtet.write(sys.argv[2], mesh)
+print(overtet.__file__, mesh)
+"""
 SOURCE, BUILD = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
 
 
@@ -35,7 +40,9 @@ def main():
         run("cpack", "-G", "DEB", "-B", made, "--config", os.path.join(BUILD, "CPackConfig.cmake"))
         packages = sorted(glob.glob(os.path.join(made, "*.deb")))
         names = [run("dpkg-deb", "--field", p, "Package").strip() for p in packages]
-        assert names == ["libovertet-dev", "overtet"], names
+        python = "python3-overtet" in names
+        assert names == ["libovertet-dev", "overtet"] + ["python3-overtet"] * python, names
+        assert python == os.path.exists(os.path.join(BUILD, "python")), names
         print(run("lintian", "--fail-on", "error", "--allow-root", *packages))
 
         root = os.path.join(temporary, "root")
@@ -52,6 +59,13 @@ def main():
         program = os.path.join(root, "usr/bin/overtet")
         run(program, "mesh", worm, "-o", mesh)
         print(run(program, "verify", worm, mesh))
+        if python:
+            again = os.path.join(temporary, "again.mesh")
+            module = os.path.join(root, "usr/lib/python3/dist-packages")
+            told = run("/usr/bin/python3", "-B", "-c", USE_PYTHON, worm, again, env=dict(os.environ, PYTHONPATH=module))
+            assert told.startswith(module), told
+            with open(mesh, "rb") as one, open(again, "rb") as other:
+                assert one.read() == other.read(), "the module makes another mesh than the program"
         run(*dpkg, "--purge", *names)
         assert [f for f in files_in(root) if "/var/" not in f] == before, files_in(root)
 

@@ -137,6 +137,26 @@ TEST(Layout, TheProgramIsAClientOfThePublicApi) {
   }
 }
 
+TEST(Layout, ThePythonPackageIsAClientOfThePublicApi) {
+  const fs::path root = OVERTET_SOURCE_DIR;
+  const std::regex line_of(R"re(^\s*#\s*include\s*[<"]([^>"]+)[>"])re");
+  int found_includes = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(root / "python")) {
+    const std::string extension = entry.path().extension().string();
+    if (extension != ".h" && extension != ".cpp") continue;
+    std::ifstream in(entry.path());
+    std::smatch found;
+    for (std::string line; std::getline(in, line);)
+      if (std::regex_search(line, found, line_of)) {
+        ++found_includes;
+        const std::string what = found[1];
+        EXPECT_FALSE(what.starts_with("src/") || what.starts_with("kernels/"))
+            << entry.path() << " includes " << what;
+      }
+  }
+  EXPECT_GT(found_includes, 10);
+}
+
 // An option of the program in a message of the library would mean nothing to other programs.
 TEST(Layout, TheLibraryNamesNoOptionOfTheProgram) {
   const fs::path root = OVERTET_SOURCE_DIR;
@@ -144,7 +164,8 @@ TEST(Layout, TheLibraryNamesNoOptionOfTheProgram) {
   for (const char* top : {"include", "kernels", "src"})
     for (const auto& entry : fs::recursive_directory_iterator(root / top)) {
       const std::string file = fs::relative(entry.path(), root).string();
-      if (!entry.is_regular_file() || file.starts_with("src/cli/")) continue;
+      if (!entry.is_regular_file() || file.starts_with("src/cli/") || file.starts_with("src/batch/"))
+        continue;
       std::ifstream in(entry.path());
       for (std::string line; std::getline(in, line);)
         EXPECT_FALSE(std::regex_search(line, flag)) << file << ": " << line;
@@ -194,7 +215,7 @@ TEST(Layout, CgalStaysOutOfHeadersThatOthersInclude) {
 TEST(Layout, NothingKnowsThisMachine) {
   const fs::path root = OVERTET_SOURCE_DIR;
   const std::string place = std::string("/") + "work/";
-  for (const char* top : {"include", "kernels", "src", "tests", "scripts", "cmake"})
+  for (const char* top : {"include", "kernels", "src", "python", "tests", "scripts", "cmake"})
     for (const auto& entry : fs::recursive_directory_iterator(root / top)) {
       if (!entry.is_regular_file()) continue;
       std::ifstream in(entry.path());

@@ -1,0 +1,27 @@
+"""Tet meshes of closed triangle surfaces that pass through themselves.
+
+    import overtet
+
+    surface = overtet.clean_up(overtet.read("hand.obj"))
+    mesh = overtet.tetrahedralize(surface)        # or tetrahedralize(V, F)
+    mesh.V, mesh.T                                # float64 #V x 3, int32 #T x 4
+    overtet.write("hand.vtu", mesh)
+
+Arrays are numpy's; anything that numpy makes an array of is taken. Functions may be called from several threads at
+once, and print nothing. docs/python.md says more.
+"""
+from ._api import clean_up, inspect, prepare, read, read_mesh, repair, tetrahedralize, verify, version, write
+from ._errors import (BadInput, Error, FileError, Infeasible, InternalError, Limit, MemoryLimit, Unsolved,
+                      UsageError)
+from ._types import CleanUp, Diagnosis, Mesh, Prepared, Quality, Repair, Surface, Verification
+
+__version__ = version()
+
+__all__ = ["tetrahedralize", "inspect", "verify", "repair", "clean_up", "prepare", "read", "read_mesh", "write",
+           "version", "Surface", "Mesh", "Quality", "Diagnosis", "Verification", "Repair", "CleanUp", "Prepared",
+           "Error", "UsageError", "BadInput", "Unsolved", "Infeasible", "Limit", "MemoryLimit", "FileError",
+           "InternalError"]
+
+for _error in (Error, UsageError, BadInput, Unsolved, Infeasible, Limit, MemoryLimit, FileError, InternalError):
+    _error.__module__ = "overtet"  # what tracebacks call them
+del _error
