@@ -1,15 +1,19 @@
 #include "src/pipeline/paper_route.h"
 
 #include <algorithm>
+#include <array>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "overtet/verification.h"
+#include "src/lim/lim.h"
 #include "src/mesh/tet_complex.h"
 #include "src/pipeline/component_meshing.h"
 #include "src/pipeline/flow_stages.h"
 #include "src/pipeline/stage_clock.h"
+#include "src/pipeline/tuning.h"
+#include "src/volume_arap/volume_arap.h"
 
 namespace overtet {
 
@@ -38,7 +42,81 @@ Error in_piece(const char* piece, Error e) {
   return e;
 }
 
+std::string counted(std::size_t n, const char* one, const char* many) {
+  return std::to_string(n) + " " + (n == 1 ? one : many);
+}
+
+Result<TetMesh> map_by_arap(const MeshingJob& job, const TetMesh& mesh) {
+  return timed_stage("volume_arap", job.records, job.context, [&](StageRecord& record) -> Result<TetMesh> {
+    Result<VolumeArapResult> mapped = volume_arap(mesh, job.surface.V, {}, job.context);
+    if (!mapped) return mapped.error();
+    VolumeArapResult& x = mapped.value();
+    record.iterations = x.iterations;
+    record.figures = {{"tets", std::int64_t{x.mesh.T.rows()}},
+                      {"flipped", static_cast<std::int64_t>(x.flipped.size())},
+                      {"energy", x.energy}};
+    if (Status s = keep(job, "arap", x.mesh); !s) return s.error();
+    if (!x.flipped.empty() && !job.allowed.flips)
+      return Error{ErrorCode::unsolved, counted(x.flipped.size(), "tet is", "tets are") + " flipped, of " +
+                                            std::to_string(x.mesh.T.rows()) + ", so the mesh is not exact."};
+    return std::move(x.mesh);
+  });
+}
+
+const char* name_of(LimResult::End end) {
+  switch (end) {
+    case LimResult::End::reached:
+      return "reached";
+    case LimResult::End::stalled:
+      return "stalled";
+    case LimResult::End::iterations:
+      return "iterations";
+    case LimResult::End::time:
+      return "time";
+  }
+  return "";
+}
+
+Result<TetMesh> map_by_lim(const MeshingJob& job, const TetMesh& mesh) {
+  return timed_stage("lim", job.records, job.context, [&](StageRecord& record) -> Result<TetMesh> {
+    LimOptions options;
+    options.radius_edge = job.recipe.radius_edge;
+    options.remesh_every = job.recipe.remesh_every;
+    options.seconds = std::min(options.seconds, kMapTime * job.context.seconds_left());
+    Result<LimResult> mapped = lim(mesh, job.surface.V, options, job.context);
+    if (!mapped) return mapped.error();
+    LimResult& x = mapped.value();
+    record.iterations = static_cast<std::int64_t>(x.iterations.size());
+    record.figures = {{"tets", std::int64_t{x.mesh.T.rows()}},
+                      {"end", std::string(name_of(x.end))},
+                      {"away", static_cast<std::int64_t>(x.away.size())},
+                      {"jumped", x.jumped},
+                      {"remeshes", static_cast<std::int64_t>(x.remeshes.size())}};
+    if (!x.iterations.empty()) record.figures.emplace_back("distance", x.iterations.back().distance);
+    if (Status s = keep(job, "lim", x.mesh); !s) return s.error();
+    if (x.end == LimResult::End::reached) return std::move(x.mesh);
+    Index farthest = x.away.empty() ? 0 : x.away[0];
+    const auto distance = [&](Index v) { return (x.mesh.V.row(v) - job.surface.V.row(v)).squaredNorm(); };
+    for (const Index v : x.away)
+      if (distance(v) > distance(farthest)) farthest = v;
+    const auto place = job.surface.V.row(farthest);
+    return Error{ErrorCode::unsolved,
+                 "The map locks with " + counted(x.away.size(), "boundary vertex", "boundary vertices") +
+                     " away from home, of " + std::to_string(job.surface.V.rows()) +
+                     ", every tet positive; the farthest lies here.",
+                 std::array<double, 3>{place[0], place[1], place[2]}};
+  });
+}
+
 Result<TetMesh> map_home(const MeshingJob& job, const TetMesh& mesh) {
+  if (job.recipe.map == PaperRecipe::Map::lim) {
+    Result<TetMesh> mapped = map_by_lim(job, mesh);
+    return mapped ? std::move(mapped) : in_piece("Locally injective map", mapped.error());
+  }
+  if (job.recipe.map == PaperRecipe::Map::arap) {
+    Result<TetMesh> mapped = map_by_arap(job, mesh);
+    return mapped ? std::move(mapped) : in_piece("Volumetric ARAP", mapped.error());
+  }
   Result<TetMesh> mapped = map(job, mesh, MapCare::usual);
   if (!mapped) return in_piece("Volume map", mapped.error());
   return mapped;

@@ -1,0 +1,146 @@
+#include "kernels/arap/volume_arap.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <Eigen/Geometry>
+#include <random>
+
+#include "kernels/parallel/parallel.h"
+
+namespace overtet {
+namespace {
+
+constexpr std::uint32_t kSeed = 2010;
+
+// A block of n x n x n cubes in six tets each, the inner vertices shaken.
+TetMesh shaken_block(int n) {
+  std::mt19937 random(kSeed);
+  std::uniform_real_distribution<double> uniform(-0.1, 0.1);
+  TetMesh mesh;
+  const auto at = [&](int i, int j, int k) { return static_cast<Index>((i * (n + 1) + j) * (n + 1) + k); };
+  mesh.V.resize((n + 1) * (n + 1) * (n + 1), 3);
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; j <= n; ++j)
+      for (int k = 0; k <= n; ++k) {
+        mesh.V.row(at(i, j, k)) << i, j, k;
+        for (int c = 0; c < 3; ++c) mesh.V(at(i, j, k), c) += uniform(random);
+      }
+  std::vector<std::array<Index, 4>> tets;
+  const int paths[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      for (int k = 0; k < n; ++k)
+        for (int p = 0; p < 6; ++p) {
+          int c[3] = {i, j, k};
+          std::array<Index, 4> tet{at(i, j, k)};
+          for (int s = 0; s < 3; ++s) {
+            ++c[paths[p][s]];
+            tet[s + 1] = at(c[0], c[1], c[2]);
+          }
+          if (p >= 3) std::swap(tet[2], tet[3]);
+          tets.push_back(tet);
+        }
+  mesh.T.resize(static_cast<Eigen::Index>(tets.size()), 4);
+  for (std::size_t t = 0; t < tets.size(); ++t)
+    for (int k = 0; k < 4; ++k) mesh.T(static_cast<Eigen::Index>(t), k) = tets[t][k];
+  return mesh;
+}
+
+VertexMatrix moved(const VertexMatrix& V, double amplitude, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> uniform(-amplitude, amplitude);
+  VertexMatrix U = V;
+  for (Eigen::Index i = 0; i < U.size(); ++i) U.data()[i] += uniform(random);
+  return U;
+}
+
+Eigen::Matrix3d edges(const VertexMatrix& X, const TetMatrix& T, Eigen::Index t) {
+  Eigen::Matrix3d E;
+  for (int k = 0; k < 3; ++k) E.col(k) = X.row(T(t, k + 1)) - X.row(T(t, 0));
+  return E;
+}
+
+// The definition, tet by tet, with rotations by SVD.
+double brute_energy(const TetMesh& rest, const VertexMatrix& U) {
+  double sum = 0;
+  for (Eigen::Index t = 0; t < rest.T.rows(); ++t) {
+    const Eigen::Matrix3d W = edges(rest.V, rest.T, t), J = edges(U, rest.T, t) * W.inverse();
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(J, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Eigen::Matrix3d A = svd.matrixU();
+    if ((A * svd.matrixV().transpose()).determinant() < 0) A.col(2) *= -1;
+    sum += W.determinant() / 12 * (J - A * svd.matrixV().transpose()).squaredNorm();
+  }
+  return sum;
+}
+
+TEST(VolumeArap, EnergyIsThatOfTheDefinitionFlippedTetsIncluded) {
+  const TetMesh mesh = shaken_block(3);
+  for (const double amplitude : {0.0, 0.2, 2.0}) {
+    const VertexMatrix U = moved(mesh.V, amplitude, kSeed + 1);
+    VolumeArap arap(mesh.V, mesh.T);
+    arap.fit_rotations(U);
+    EXPECT_NEAR(arap.energy(U), brute_energy(mesh, U), 1e-9 * (1 + brute_energy(mesh, U)));
+  }
+}
+
+TEST(VolumeArap, RigidMotionsCostNothing) {
+  const TetMesh mesh = shaken_block(2);
+  const Eigen::Quaterniond q = Eigen::Quaterniond(0.3, -0.5, 0.7, 0.1).normalized();
+  VertexMatrix U = mesh.V * q.toRotationMatrix().transpose(), G;
+  U.rowwise() += Eigen::RowVector3d(1, -2, 3);
+  VolumeArap arap(mesh.V, mesh.T);
+  arap.fit_rotations(U);
+  arap.gradient(U, G);
+  EXPECT_NEAR(arap.energy(U), 0, 1e-12);
+  EXPECT_LT(G.norm(), 1e-9);
+}
+
+TEST(VolumeArap, GradientAgainstFiniteDifferencesOfTheMinimisedEnergy) {
+  const TetMesh mesh = shaken_block(2);
+  const VertexMatrix U = moved(mesh.V, 0.2, kSeed + 2);
+  VolumeArap arap(mesh.V, mesh.T);
+  arap.fit_rotations(U);
+  VertexMatrix G;
+  arap.gradient(U, G);
+  for (Eigen::Index i = 0; i < U.size(); i += 5) {
+    VertexMatrix X = U;
+    const double h = 1e-6;
+    X.data()[i] += h;
+    const double plus = brute_energy(mesh, X);
+    X.data()[i] -= 2 * h;
+    EXPECT_NEAR((plus - brute_energy(mesh, X)) / (2 * h), G.data()[i], 1e-6 * (1 + G.norm()));
+  }
+}
+
+// For fixed rotations E is quadratic, and L is its second derivative.
+TEST(VolumeArap, MatrixIsTheQuadraticPart) {
+  const TetMesh mesh = shaken_block(2);
+  const VertexMatrix U = moved(mesh.V, 0.2, kSeed + 3), D = moved(mesh.V, 0.3, kSeed + 4) - mesh.V;
+  VolumeArap arap(mesh.V, mesh.T);
+  arap.fit_rotations(U);
+  VertexMatrix G, H, LD;
+  arap.gradient(U, G);
+  arap.gradient(U + D, H);
+  multiply(arap.matrix(), D, LD);
+  EXPECT_LT((H - G - LD).norm(), 1e-10 * H.norm());
+}
+
+TEST(VolumeArap, SameBytesOnAnyNumberOfThreads) {
+  const TetMesh mesh = shaken_block(6);
+  const VertexMatrix U = moved(mesh.V, 0.2, kSeed + 5);
+  VertexMatrix G[2];
+  double energy[2];
+  for (const int threads : {1, 4}) {
+    const ScopedThreads scope(threads);
+    VolumeArap arap(mesh.V, mesh.T);
+    arap.fit_rotations(U);
+    arap.gradient(U, G[threads / 4]);
+    energy[threads / 4] = arap.energy(U);
+  }
+  EXPECT_EQ(G[0], G[1]);
+  EXPECT_EQ(energy[0], energy[1]);
+}
+
+}  // namespace
+}  // namespace overtet
