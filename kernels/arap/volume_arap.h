@@ -1,11 +1,11 @@
-// As-rigid-as-possible energy of a tet mesh [Chao, Pinkall, Sanan, Schroeder 2010, section 3], for local-global
-// solvers [Sorkine and Alexa 2007].
+// As-rigid-as-possible energy of a tet mesh [Chao, Pinkall, Sanan, Schroeder 2010, section 3], for
+// local-global solvers [Sorkine and Alexa 2007].
 //
 //   E(U) = 1/2 sum_tets t  vol_t | J_t - R_t |^2,      J_t the linear map from the tet of W to that of U,
 //
-// minimised over the rotations R_t. W is the rest state. grad E(U) = L U - rhs(R) with R the best rotations, L
-// the stiffness matrix of linear finite elements on W. The energy of a flipped tet is finite: there is always a
-// minimum, and it may have such tets.
+// minimised over the rotations R_t. W is the rest state. grad E(U) = L U - rhs(R) with R the best rotations,
+// L the stiffness matrix of linear finite elements on W. The energy of a flipped tet is finite: there is
+// always a minimum, and it may have such tets.
 #pragma once
 
 #include <Eigen/Core>
@@ -41,7 +41,8 @@ class VolumeArap {
 
   TetMatrix T_;
   std::vector<double> volume_;
-  // Of each tet, as columns: the gradients of the linear functions that are 1 at a corner and 0 at the others.
+  // Of each tet, as columns: the gradients of the linear functions that are 1 at a corner and 0 at the
+  // others.
   std::vector<Eigen::Matrix<double, 3, 4>> hats_;
   SymmetricMatrix L_;
   std::vector<Index> star_begin_, star_;  // of vertex v: star_[star_begin_[v] ..) = 4 t + corner

@@ -61,8 +61,8 @@ double strain_barrier(const Eigen::Matrix<double, 3, 4>& x, const RestTet& rest,
          w.barrier * Barrier(det).value;
 }
 
-// In the basis of J's singular vectors the Hessian falls apart: three by three for the singular values, and an
-// eigenvalue for each twist and each flip of two axes [Smith, De Goes, Kim 2019].
+// In the basis of J's singular vectors the Hessian falls apart: three by three for the singular values, and
+// an eigenvalue for each twist and each flip of two axes [Smith, De Goes, Kim 2019].
 double strain_barrier(const Eigen::Matrix<double, 3, 4>& x, const RestTet& rest, const StrainWeights& w,
                       Curvature curvature, TetEnergy& out) {
   const Matrix3d J = x * rest.hats.transpose();

@@ -1,5 +1,5 @@
-// The energy of a tet in locally injective mappings [Schueller, Kavan, Panozzo, Sorkine-Hornung 2013]: Green's
-// strain relative to a rest state, and a barrier that is infinite where the tet is flat.
+// The energy of a tet in locally injective mappings [Schueller, Kavan, Panozzo, Sorkine-Hornung 2013]:
+// Green's strain relative to a rest state, and a barrier that is infinite where the tet is flat.
 //
 //   strain / 4 |J'J - I|^2 + barrier phi(det J),      J the linear map from the rest state,
 //   phi(x) = 1 / g(x) - 1 for 0 < x < 1, else 0;      g(x) = x^3 - 3 x^2 + 3 x.
@@ -28,7 +28,8 @@ struct StrainWeights {
 };
 
 // x: the corners as columns. Infinite where the tet is not positive.
-double strain_barrier(const Eigen::Matrix<double, 3, 4>& x, const RestTet& rest, const StrainWeights& weights);
+double strain_barrier(const Eigen::Matrix<double, 3, 4>& x, const RestTet& rest,
+                      const StrainWeights& weights);
 
 // The same with derivatives (not set where it is infinite). `definite`: the Hessian with its negative
 // eigenvalues, as a function of J, set to zero; `exact`: as it is.

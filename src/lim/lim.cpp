@@ -11,6 +11,7 @@
 #include "kernels/core/indices.h"
 #include "kernels/core/tuning.h"
 #include "kernels/parallel/parallel.h"
+#include "src/cdt/tetgen.h"
 #include "src/lim/newton.h"
 #include "src/mesh/local_operations.h"
 #include "src/mesh/tet_complex.h"
@@ -24,7 +25,8 @@ using lim_detail::Newton;
 // One map on its way.
 class Mapper {
  public:
-  Mapper(const TetMesh& mesh, const VertexMatrix& target, const LimOptions& options, const RunContext& context)
+  Mapper(const TetMesh& mesh, const VertexMatrix& target, const LimOptions& options,
+         const RunContext& context)
       : target_(target),
         options_(options),
         context_(context),
@@ -44,7 +46,8 @@ class Mapper {
       bool ok = true;
       const double made = iterate(ok);
       if (!ok)
-        return Error{ErrorCode::limit, "There is not enough memory for a factorisation of the volumetric map."};
+        return Error{ErrorCode::limit,
+                     "There is not enough memory for a factorisation of the volumetric map."};
       result_.mesh.V = newton_->positions();
       if (jump()) return finished(LimResult::End::reached);
       if (made > 0 && gets_on() && !remesh_due()) continue;
@@ -78,8 +81,9 @@ class Mapper {
     result_.iterations.push_back({after.all(alpha_), alpha_, distance_, made});
     ++since_restart_;
     char text[96];
-    std::snprintf(text, sizeof text, "%.3g of the diagonal from home, alpha %.3g, step %.3g, energy %.4g + %.4g", distance_, alpha_,
-                  made, after.strain, after.barrier);
+    std::snprintf(text, sizeof text,
+                  "%.3g of the diagonal from home, alpha %.3g, step %.3g, energy %.4g + %.4g", distance_,
+                  alpha_, made, after.strain, after.barrier);
     context_.report("lim", static_cast<double>(result_.iterations.size()) / options_.iterations, text);
     context_.note(LogLevel::debug, std::string("lim: ") + text);
     return made;
@@ -97,7 +101,23 @@ class Mapper {
   bool remesh_due() const { return options_.remesh_every > 0 && since_restart_ >= options_.remesh_every; }
 
   // False: not any more, or it cannot be done.
-  Result<bool> remesh() { return false; }
+  Result<bool> remesh() {
+    if (options_.remesh_every == 0 || static_cast<int>(result_.remeshes.size()) >= options_.remeshes)
+      return false;
+    Result<TetMesh> made = coarsen_and_refine(result_.mesh, options_.radius_edge, context_);
+    if (!made) {
+      if (made.error().code != ErrorCode::unsolved) return made.error();
+      context_.note(LogLevel::warning,
+                    "The tets could not be coarsened and refined: " + made.error().message);
+      return false;
+    }
+    result_.remeshes.push_back({static_cast<int>(result_.iterations.size()),
+                                static_cast<Index>(result_.mesh.T.rows()),
+                                static_cast<Index>(made.value().T.rows())});
+    result_.mesh = std::move(made).value();
+    restart();
+    return true;
+  }
 
   // Home, if every tet is positive then.
   bool jump() {
@@ -167,7 +187,8 @@ Result<LimResult> lim(const TetMesh& mesh, const VertexMatrix& target, const Lim
   if (const Status valid = options.validate(); !valid) return valid.error();
   if (target.rows() != mesh.surface_vertices || mesh.V.rows() < target.rows() || !target.allFinite() ||
       !mesh.V.allFinite() || !all_below(mesh.T, mesh.V.rows()) || first_not_positive(mesh) >= 0)
-    return Error{ErrorCode::bad_input, "Locally injective mapping: the tet mesh is not positive or does not fit the surface."};
+    return Error{ErrorCode::bad_input,
+                 "Locally injective mapping: the tet mesh is not positive or does not fit the surface."};
   const ScopedThreads threads(context.threads);
   return Mapper(mesh, target, options, context).run();
 }

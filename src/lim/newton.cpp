@@ -24,10 +24,8 @@ std::array<double, 4> volumes_on_the_way(const Corners& from, const Corners& to)
   const auto det = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
     return a.dot(b.cross(c));
   };
-  return {det(p[0], p[1], p[2]),
-          (det(q[0], p[1], p[2]) + det(p[0], q[1], p[2]) + det(p[0], p[1], q[2])) / 3,
-          (det(p[0], q[1], q[2]) + det(q[0], p[1], q[2]) + det(q[0], q[1], p[2])) / 3,
-          det(q[0], q[1], q[2])};
+  return {det(p[0], p[1], p[2]), (det(q[0], p[1], p[2]) + det(p[0], q[1], p[2]) + det(p[0], p[1], q[2])) / 3,
+          (det(p[0], q[1], q[2]) + det(q[0], p[1], q[2]) + det(q[0], q[1], p[2])) / 3, det(q[0], q[1], q[2])};
 }
 
 // How far on the way, at most `most` of it, the tet is certain to be positive.
@@ -100,7 +98,8 @@ bool Newton::analyze() {
   const auto vertices = static_cast<Index>(x_.rows());
   std::vector<std::uint64_t> pairs;
   pairs.reserve(6 * rest_.size() + static_cast<std::size_t>(vertices));
-  for (Index v = 0; v < vertices; ++v) pairs.push_back((static_cast<std::uint64_t>(v) << 32) | static_cast<std::uint32_t>(v));
+  for (Index v = 0; v < vertices; ++v)
+    pairs.push_back((static_cast<std::uint64_t>(v) << 32) | static_cast<std::uint32_t>(v));
   const auto key = [](Index a, Index b) {
     return static_cast<std::uint64_t>(std::min(a, b)) << 32 | static_cast<std::uint32_t>(std::max(a, b));
   };
@@ -112,7 +111,8 @@ bool Newton::analyze() {
   for (const std::uint64_t pair : pairs) ++begin[(pair >> 32) + 1];
   for (Index v = 0; v < vertices; ++v) begin[v + 1] += begin[v];
   hessian_.resize(3 * vertices, 3 * vertices);
-  hessian_.resizeNonZeros(9 * static_cast<Eigen::Index>(pairs.size()) - 3 * static_cast<Eigen::Index>(vertices));
+  hessian_.resizeNonZeros(9 * static_cast<Eigen::Index>(pairs.size()) -
+                          3 * static_cast<Eigen::Index>(vertices));
   int* const start = hessian_.outerIndexPtr();
   int* const rows = hessian_.innerIndexPtr();
   int at = 0;
@@ -131,8 +131,8 @@ bool Newton::analyze() {
     for (int e = 0; e < 6; ++e) {
       const Index a = T_(t, kTetEdge[e][0]), b = T_(t, kTetEdge[e][1]), column = std::min(a, b);
       const auto first = pairs.begin() + begin[column];
-      const auto p = static_cast<int>(
-          std::lower_bound(first, pairs.begin() + begin[column + 1], key(a, b)) - first - 1);
+      const auto p =
+          static_cast<int>(std::lower_bound(first, pairs.begin() + begin[column + 1], key(a, b)) - first - 1);
       // After the diagonal block's 3, 2 and 1 entries.
       for (int j = 0; j < 3; ++j) blocks_[t][e][j] = diagonal_[column][j] + 3 - j + 3 * p;
     }
@@ -193,7 +193,8 @@ double Newton::way(const VertexMatrix& direction) const {
       [&](std::int64_t begin, std::int64_t end) {
         double part = 1;
         for (std::int64_t t = begin; t < end; ++t)
-          part = positive_until(corners(x_, static_cast<std::size_t>(t)), corners(to, static_cast<std::size_t>(t)), part);
+          part = positive_until(corners(x_, static_cast<std::size_t>(t)),
+                                corners(to, static_cast<std::size_t>(t)), part);
         return part;
       },
       [](double a, double b) { return std::min(a, b); });
@@ -203,7 +204,9 @@ bool Newton::positive_at(const VertexMatrix& x) const {
   return parallel_reduce(
       T_.rows(), kMediumGrain, true,
       [&](std::int64_t begin, std::int64_t end) {
-        const auto at = [&](std::int64_t t, int k) { return x.data() + 3 * static_cast<std::ptrdiff_t>(T_(t, k)); };
+        const auto at = [&](std::int64_t t, int k) {
+          return x.data() + 3 * static_cast<std::ptrdiff_t>(T_(t, k));
+        };
         for (std::int64_t t = begin; t < end; ++t)
           if (orient3d(at(t, 0), at(t, 1), at(t, 2), at(t, 3)) <= 0) return false;
         return true;

@@ -46,7 +46,7 @@ class Newton {
   std::vector<RestTet> rest_;
   // In blocks of 3 x 3, lower triangle; of each tet and two of its corners the block's column starts.
   SymmetricMatrix hessian_;
-  std::vector<std::array<int, 3>> diagonal_;              // by vertex
+  std::vector<std::array<int, 3>> diagonal_;               // by vertex
   std::vector<std::array<std::array<int, 3>, 6>> blocks_;  // by tet, edges as kTetEdge
   Eigen::VectorXd gradient_;
   SparseCholesky factor_;

@@ -21,14 +21,15 @@ double volume_of(const TetMesh& mesh, Eigen::Index t) {
 }
 
 std::vector<Index> not_positive(const TetMesh& mesh) {
-  return parallel_collect<Index>(
-      mesh.T.rows(), kMediumGrain, [&](std::int64_t begin, std::int64_t end, std::vector<Index>& out) {
-        const auto at = [&](std::int64_t t, int k) {
-          return mesh.V.data() + 3 * static_cast<std::ptrdiff_t>(mesh.T(t, k));
-        };
-        for (std::int64_t t = begin; t < end; ++t)
-          if (orient3d(at(t, 0), at(t, 1), at(t, 2), at(t, 3)) <= 0) out.push_back(static_cast<Index>(t));
-      });
+  return parallel_collect<Index>(mesh.T.rows(), kMediumGrain,
+                                 [&](std::int64_t begin, std::int64_t end, std::vector<Index>& out) {
+                                   const auto at = [&](std::int64_t t, int k) {
+                                     return mesh.V.data() + 3 * static_cast<std::ptrdiff_t>(mesh.T(t, k));
+                                   };
+                                   for (std::int64_t t = begin; t < end; ++t)
+                                     if (orient3d(at(t, 0), at(t, 1), at(t, 2), at(t, 3)) <= 0)
+                                       out.push_back(static_cast<Index>(t));
+                                 });
 }
 
 // The rows and columns of the vertices from `first` on.
