@@ -654,7 +654,7 @@ Status ForwardFlowOptions::validate() const {
 ForwardFlowOptions paper_forward_flow() {
   ForwardFlowOptions o;
   o.regional = false;
-  o.global = {{FlowWeights::cotangent, 1e-4, 120}, {FlowWeights::intrinsic_delaunay, 1e-4, 120}};
+  o.global = {{FlowWeights::cotangent, 1e-4, 600}, {FlowWeights::intrinsic_delaunay, 1e-4, 600}};
   o.test_all_pairs = o.patient = true;
   return o;
 }

@@ -4,18 +4,11 @@
 #include <array>
 #include <optional>
 
-#include "kernels/bvh/self_intersections.h"
-#include "overtet/verification.h"
 #include "src/pipeline/flow_stages.h"
 
 namespace overtet {
 
 namespace {
-
-Error damaged(const char* name) {
-  return {ErrorCode::bad_input, std::string("The saved stage ") + name +
-                                    " is damaged: it does not fit the input. Do not resume from it."};
-}
 
 // A map that locks is tried once more in another way.
 Result<TetMesh> map_twice(const MeshingJob& r, const TetMesh& mesh) {
@@ -26,37 +19,10 @@ Result<TetMesh> map_twice(const MeshingJob& r, const TetMesh& mesh) {
   return mapped;
 }
 
-// From a saved state on, the latest one there is; none when there is none.
-std::optional<Result<TetMesh>> resumed(const MeshingJob& r) {
-  if (!r.resume) return std::nullopt;
-  const auto surface_vertices = static_cast<Index>(r.surface.V.rows());
-  if (r.resume->has("tet_mesh") && r.resume->has("embedded")) {
-    Result<Surface> embedded = r.resume->load_surface("embedded");
-    if (!embedded) return embedded.error();
-    Result<TetMesh> mesh = r.resume->load_mesh("tet_mesh", surface_vertices);
-    if (!mesh) return mesh.error();
-    if (embedded.value().F != r.surface.F || !verify(embedded.value(), mesh.value(), {}, r.context).ok())
-      return damaged("tet_mesh");
-    return map_twice(r, mesh.value());
-  }
-  if (r.resume->has("embedded")) {
-    Result<Surface> embedded = r.resume->load_surface("embedded");
-    if (!embedded) return embedded.error();
-    const Surface& s = embedded.value();
-    if (s.V.rows() != r.surface.V.rows() || s.F != r.surface.F || !all_finite(s.V) ||
-        !find_self_intersections(s.V, s.F).empty())
-      return damaged("embedded");
-    Result<TetMesh> mesh = fill(r, s.V);
-    if (!mesh) return mesh.error();
-    return map_twice(r, mesh.value());
-  }
-  return std::nullopt;
-}
-
 }  // namespace
 
 Result<TetMesh> mesh_by_flow(const MeshingJob& r) {
-  if (auto from_saved = resumed(r)) return *from_saved;
+  if (const auto saved = saved_fill(r)) return *saved ? map_twice(r, saved->value()) : *saved;
 
   const std::vector<ForwardFlowOptions> forward_ladder = forward_flow_ladder();
   const std::vector<ReverseFlowOptions> reverse_ladder = reverse_flow_ladder();

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "kernels/bvh/self_intersections.h"
+#include "overtet/verification.h"
 #include "src/pipeline/locked_patch.h"
 #include "src/pipeline/stage_clock.h"
 #include "src/pipeline/tuning.h"
@@ -17,6 +19,11 @@ void say_cut(const MeshingJob& r, const char* stage) {
   r.context.note(LogLevel::warning, std::string(stage) +
                                         " ended early because of the time limit; "
                                         "with more time the result may differ.");
+}
+
+Error damaged(const char* name) {
+  return {ErrorCode::bad_input, std::string("The saved stage ") + name +
+                                    " is damaged: it does not fit the input. Do not resume from it."};
 }
 
 }  // namespace
@@ -119,6 +126,30 @@ Result<TetMesh> map(const MeshingJob& r, const TetMesh& mesh, MapCare care) {
       });
   if (!kept) return kept.error();
   return mapped;
+}
+
+std::optional<Result<TetMesh>> saved_fill(const MeshingJob& r, const TetMeshOptions& options) {
+  if (!r.resume) return std::nullopt;
+  const auto surface_vertices = static_cast<Index>(r.surface.V.rows());
+  if (r.resume->has("tet_mesh") && r.resume->has("embedded")) {
+    Result<Surface> embedded = r.resume->load_surface("embedded");
+    if (!embedded) return embedded.error();
+    Result<TetMesh> mesh = r.resume->load_mesh("tet_mesh", surface_vertices);
+    if (!mesh) return mesh.error();
+    if (embedded.value().F != r.surface.F || !verify(embedded.value(), mesh.value(), {}, r.context).ok())
+      return damaged("tet_mesh");
+    return mesh;
+  }
+  if (r.resume->has("embedded")) {
+    Result<Surface> embedded = r.resume->load_surface("embedded");
+    if (!embedded) return embedded.error();
+    const Surface& s = embedded.value();
+    if (s.V.rows() != r.surface.V.rows() || s.F != r.surface.F || !all_finite(s.V) ||
+        !find_self_intersections(s.V, s.F).empty())
+      return damaged("embedded");
+    return fill(r, s.V, options);
+  }
+  return std::nullopt;
 }
 
 }  // namespace overtet

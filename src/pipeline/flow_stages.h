@@ -1,6 +1,8 @@
 // The stages of the flow route, each with its record in the report. Internal to src/pipeline.
 #pragma once
 
+#include <optional>
+
 #include "overtet/result.h"
 #include "overtet/types.h"
 #include "src/forward_flow/forward_flow.h"
@@ -18,6 +20,9 @@ Result<ReverseFlowResult> flow_back(const MeshingJob& job, const ForwardFlowResu
                                     ReverseFlowOptions options);
 
 Result<TetMesh> fill(const MeshingJob& job, const VertexMatrix& U0, const TetMeshOptions& options = {});
+
+// The same from a saved state, the latest one there is; none when there is none. Errors: bad_input (damaged), too.
+std::optional<Result<TetMesh>> saved_fill(const MeshingJob& job, const TetMeshOptions& options = {});
 
 enum class MapCare {
   usual,

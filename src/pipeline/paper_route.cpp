@@ -139,8 +139,10 @@ Status count_turns(const MeshingJob& job, const TetMesh& mesh) {
   });
 }
 
-// One part of the surface, all of it free to move.
-Result<TetMesh> mesh_part(const MeshingJob& job) {
+Result<TetMesh> embedded_and_filled(const MeshingJob& job) {
+  TetMeshOptions options;
+  options.radius_edge = job.recipe.radius_edge;
+  if (auto saved = saved_fill(job, options)) return *std::move(saved);
   Result<ForwardFlowResult> forward = flow_forward(job, forward_options(job.recipe));
   if (!forward) return in_piece("Forward flow", forward.error());
   if (Status s = keep(job, "flow_end", Surface{forward.value().V, job.surface.F}); !s) return s.error();
@@ -148,10 +150,15 @@ Result<TetMesh> mesh_part(const MeshingJob& job) {
   if (!back) return in_piece("Reverse flow", back.error());
   const VertexMatrix& U0 = back.value().U0;
   if (Status s = keep(job, "embedded", Surface{U0, job.surface.F}); !s) return s.error();
-  TetMeshOptions options;
-  options.radius_edge = job.recipe.radius_edge;
   Result<TetMesh> filled = fill(job, U0, options);
   if (!filled) return in_piece("Tet mesh", filled.error());
+  return filled;
+}
+
+// One part of the surface, all of it free to move.
+Result<TetMesh> mesh_part(const MeshingJob& job) {
+  Result<TetMesh> filled = embedded_and_filled(job);
+  if (!filled) return filled;
   Result<TetMesh> mapped = map_home(job, filled.value());
   if (!mapped) return mapped;
   if (first_not_positive(mapped.value()) < 0)

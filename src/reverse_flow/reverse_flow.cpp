@@ -206,7 +206,9 @@ class Reverse {
         return false;
       }
       standstill = record.move > 0 ? 0 : standstill + 1;
-      if (standstill >= kInVain || (record.move < o_.still && record.halvings == 0)) break;
+      if (standstill >= kInVain || (record.move < o_.still && record.halvings == 0) ||
+          (number + 1 < stages && record.move < o_.stage_still))
+        break;
     }
     return true;
   }
@@ -548,6 +550,7 @@ ReverseFlowOptions paper_reverse_flow() {
   o.inertia = true;
   o.repulsion = 1000;
   o.align_stages = true;
+  o.stage_still = 0.02;
   o.max_stages = 1 << 30;                            // all
   o.lock_iterations = o.locked_rollbacks = 1 << 30;  // it goes on to the end
   return o;
