@@ -63,8 +63,8 @@ class Splitter {
  public:
   explicit Splitter(TetComplex& mesh) : mesh_(mesh) {}
 
-  // One pass over edges, or over faces. Returns how many were found; those whose tets another one has changed wait
-  // for the next pass.
+  // One pass over edges, or over faces. Returns how many were found; those whose tets another one has changed
+  // wait for the next pass.
   Result<Index> edges() {
     struct Use {
       Index a, b, tet;
@@ -110,7 +110,8 @@ class Splitter {
                                    [](const Side& s) { return s.next < 0; });
       for (std::size_t i = begin; i < end; ++i)
         if (sides[i].next >= 0 && !std::exchange(keep_one, false))
-          spares.push_back({{sides[i].corners.begin(), sides[i].corners.end()}, {sides[i].tet, sides[i].next}});
+          spares.push_back(
+              {{sides[i].corners.begin(), sides[i].corners.end()}, {sides[i].tet, sides[i].next}});
     }
     return split(spares);
   }
@@ -121,7 +122,8 @@ class Splitter {
   };
 
   // Of an edge's tets: the rings they fall apart into, but for one, and never one of the boundary.
-  std::vector<std::vector<Index>> spare_rings(const std::array<Index, 2>& edge, const std::vector<Index>& tets) const {
+  std::vector<std::vector<Index>> spare_rings(const std::array<Index, 2>& edge,
+                                              const std::vector<Index>& tets) const {
     UnionFind joined(tets.size());
     std::size_t pieces = tets.size();
     std::vector<char> on_boundary(tets.size(), 0);
@@ -147,7 +149,8 @@ class Splitter {
     }
     bool keep_one = std::none_of(fixed.begin(), fixed.end(), [](char f) { return f != 0; });
     for (std::size_t r = 0; r < rings.size(); ++r)
-      if (!rings[r].empty() && !fixed[r] && !std::exchange(keep_one, false)) spare.push_back(std::move(rings[r]));
+      if (!rings[r].empty() && !fixed[r] && !std::exchange(keep_one, false))
+        spare.push_back(std::move(rings[r]));
     return spare;
   }
 
@@ -159,7 +162,8 @@ class Splitter {
                       [&](Index t) { return !old[t] || !mesh_.alive(t); }))
         continue;
       Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-      for (const Index v : spare.corners) middle += mesh_.position(v) / static_cast<double>(spare.corners.size());
+      for (const Index v : spare.corners)
+        middle += mesh_.position(v) / static_cast<double>(spare.corners.size());
       const Index m = mesh_.add_vertex(middle);
       std::vector<TetComplex::Tet> added;
       for (const Index t : spare.tets)

@@ -11,9 +11,8 @@
 // (src/cdt/remesh.h), which becomes the rest state. It has succeeded when the boundary is so near to V0 that
 // it can go there with every tet exactly positive.
 //
-// Sizes are relative to those of the model: E is the mean strain, the constraints are in diagonals, the
-// barrier counts tets. The paper does not give its settings; those of the published implementation are alpha
-// = 1e3 times the energy over the constraints, at most 1e8, beta = .01.
+// Lengths are in diagonals of the model. The paper does not give its settings; those of the published
+// implementation are alpha = 1e3 times the energy over the constraints, at most 1e8, beta = .01.
 //
 // Guaranteed when it returns a value that `reached`: the first rows are V0, bit for bit, and every tet is
 // exactly positive. Moves on the way are straight ones on which every tet stays positive, so that no edge

@@ -55,7 +55,6 @@ Newton::Newton(const TetMesh& mesh, const VertexMatrix& target, double barrier, 
   for (std::size_t t = 0; t < static_cast<std::size_t>(T_.rows()); ++t) {
     const Corners c = corners(x_, t);
     rest_.push_back(rest_tet(c.col(0), c.col(1), c.col(2), c.col(3)));
-    volume_ += rest_.back().volume;
   }
 }
 
@@ -66,7 +65,7 @@ Corners Newton::corners(const VertexMatrix& x, std::size_t t) const {
 }
 
 StrainWeights Newton::weights(std::size_t t) const {
-  return {rest_[t].volume / volume_, barrier_ / static_cast<double>(rest_.size())};
+  return {rest_[t].volume / (unit_ * unit_ * unit_), barrier_};
 }
 
 Newton::Energies Newton::energies_at(const VertexMatrix& x) const {

@@ -41,7 +41,7 @@ class Newton {
 
   const VertexMatrix& target_;
   TetMatrix T_;
-  double barrier_, unit_, volume_ = 0;
+  double barrier_, unit_;
   VertexMatrix x_;
   std::vector<RestTet> rest_;
   // In blocks of 3 x 3, lower triangle; of each tet and two of its corners the block's column starts.

@@ -21,7 +21,8 @@ Result<ReverseFlowResult> flow_back(const MeshingJob& job, const ForwardFlowResu
 
 Result<TetMesh> fill(const MeshingJob& job, const VertexMatrix& U0, const TetMeshOptions& options = {});
 
-// The same from a saved state, the latest one there is; none when there is none. Errors: bad_input (damaged), too.
+// The same from a saved state, the latest one there is; none when there is none. Errors: bad_input (damaged),
+// too.
 std::optional<Result<TetMesh>> saved_fill(const MeshingJob& job, const TetMeshOptions& options = {});
 
 enum class MapCare {

@@ -7,47 +7,16 @@
 #include <random>
 
 #include "kernels/parallel/parallel.h"
+#include "tests/support/tet_shapes.h"
 
 namespace overtet {
 namespace {
 
-constexpr std::uint32_t kSeed = 2010;
+constexpr std::uint32_t kBlockSeed = 2010;
 
-// A block of n x n x n cubes in six tets each, the inner vertices shaken.
-TetMesh shaken_block(int n) {
-  std::mt19937 random(kSeed);
-  std::uniform_real_distribution<double> uniform(-0.1, 0.1);
-  TetMesh mesh;
-  const auto at = [&](int i, int j, int k) { return static_cast<Index>((i * (n + 1) + j) * (n + 1) + k); };
-  mesh.V.resize((n + 1) * (n + 1) * (n + 1), 3);
-  for (int i = 0; i <= n; ++i)
-    for (int j = 0; j <= n; ++j)
-      for (int k = 0; k <= n; ++k) {
-        mesh.V.row(at(i, j, k)) << i, j, k;
-        for (int c = 0; c < 3; ++c) mesh.V(at(i, j, k), c) += uniform(random);
-      }
-  std::vector<std::array<Index, 4>> tets;
-  const int paths[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j < n; ++j)
-      for (int k = 0; k < n; ++k)
-        for (int p = 0; p < 6; ++p) {
-          int c[3] = {i, j, k};
-          std::array<Index, 4> tet{at(i, j, k)};
-          for (int s = 0; s < 3; ++s) {
-            ++c[paths[p][s]];
-            tet[s + 1] = at(c[0], c[1], c[2]);
-          }
-          if (p >= 3) std::swap(tet[2], tet[3]);
-          tets.push_back(tet);
-        }
-  mesh.T.resize(static_cast<Eigen::Index>(tets.size()), 4);
-  for (std::size_t t = 0; t < tets.size(); ++t)
-    for (int k = 0; k < 4; ++k) mesh.T(static_cast<Eigen::Index>(t), k) = tets[t][k];
-  return mesh;
-}
+TetMesh shaken_block(int n) { return test::grid_tets(n, 0.1, kBlockSeed); }
 
-VertexMatrix moved(const VertexMatrix& V, double amplitude, std::uint32_t seed) {
+VertexMatrix displaced(const VertexMatrix& V, double amplitude, std::uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(-amplitude, amplitude);
   VertexMatrix U = V;
@@ -77,7 +46,7 @@ double brute_energy(const TetMesh& rest, const VertexMatrix& U) {
 TEST(VolumeArap, EnergyIsThatOfTheDefinitionFlippedTetsIncluded) {
   const TetMesh mesh = shaken_block(3);
   for (const double amplitude : {0.0, 0.2, 2.0}) {
-    const VertexMatrix U = moved(mesh.V, amplitude, kSeed + 1);
+    const VertexMatrix U = displaced(mesh.V, amplitude, kBlockSeed + 1);
     VolumeArap arap(mesh.V, mesh.T);
     arap.fit_rotations(U);
     EXPECT_NEAR(arap.energy(U), brute_energy(mesh, U), 1e-9 * (1 + brute_energy(mesh, U)));
@@ -98,7 +67,7 @@ TEST(VolumeArap, RigidMotionsCostNothing) {
 
 TEST(VolumeArap, GradientAgainstFiniteDifferencesOfTheMinimisedEnergy) {
   const TetMesh mesh = shaken_block(2);
-  const VertexMatrix U = moved(mesh.V, 0.2, kSeed + 2);
+  const VertexMatrix U = displaced(mesh.V, 0.2, kBlockSeed + 2);
   VolumeArap arap(mesh.V, mesh.T);
   arap.fit_rotations(U);
   VertexMatrix G;
@@ -116,7 +85,8 @@ TEST(VolumeArap, GradientAgainstFiniteDifferencesOfTheMinimisedEnergy) {
 // For fixed rotations E is quadratic, and L is its second derivative.
 TEST(VolumeArap, MatrixIsTheQuadraticPart) {
   const TetMesh mesh = shaken_block(2);
-  const VertexMatrix U = moved(mesh.V, 0.2, kSeed + 3), D = moved(mesh.V, 0.3, kSeed + 4) - mesh.V;
+  const VertexMatrix U = displaced(mesh.V, 0.2, kBlockSeed + 3),
+                     D = displaced(mesh.V, 0.3, kBlockSeed + 4) - mesh.V;
   VolumeArap arap(mesh.V, mesh.T);
   arap.fit_rotations(U);
   VertexMatrix G, H, LD;
@@ -128,7 +98,7 @@ TEST(VolumeArap, MatrixIsTheQuadraticPart) {
 
 TEST(VolumeArap, SameBytesOnAnyNumberOfThreads) {
   const TetMesh mesh = shaken_block(6);
-  const VertexMatrix U = moved(mesh.V, 0.2, kSeed + 5);
+  const VertexMatrix U = displaced(mesh.V, 0.2, kBlockSeed + 5);
   VertexMatrix G[2];
   double energy[2];
   for (const int threads : {1, 4}) {
