@@ -43,8 +43,8 @@ Glued glued(int n, const std::vector<Index>& same) {
       for (int k = 0; k < 4; ++k) {
         const Index v = block.T(t, k), t_new = copy * tets + t;
         const bool shared = std::find(same.begin(), same.end(), v) != same.end();
-        out.mesh.T(t_new, k) = v < outside ? copy * outside + v
-                                           : 2 * outside + (shared ? 0 : copy) * inside + v - outside;
+        out.mesh.T(t_new, k) =
+            v < outside ? copy * outside + v : 2 * outside + (shared ? 0 : copy) * inside + v - outside;
         out.N(t_new, k) = N(t, k) < 0 ? -1 : copy * tets + N(t, k);
       }
   return out;

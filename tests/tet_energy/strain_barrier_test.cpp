@@ -9,45 +9,45 @@
 namespace overtet {
 namespace {
 
-using Corners = Eigen::Matrix<double, 3, 4>;
+using CornerMatrix = Eigen::Matrix<double, 3, 4>;
 using Matrix12 = Eigen::Matrix<double, 12, 12>;
 
-constexpr std::uint32_t kSeed = 2013;
+constexpr std::uint32_t kStrainSeed = 2013;
 
-double volume(const Corners& x) {
+double volume_of(const CornerMatrix& x) {
   return (x.col(1) - x.col(0)).dot((x.col(2) - x.col(0)).cross(x.col(3) - x.col(0))) / 6;
 }
 
-RestTet at_rest(const Corners& x) { return rest_tet(x.col(0), x.col(1), x.col(2), x.col(3)); }
+RestTet at_rest(const CornerMatrix& x) { return rest_tet(x.col(0), x.col(1), x.col(2), x.col(3)); }
 
-Corners positive_tet(std::mt19937& random) {
+CornerMatrix positive_tet(std::mt19937& random) {
   std::uniform_real_distribution<double> uniform(-1, 1);
-  Corners x;
+  CornerMatrix x;
   do {
     for (int i = 0; i < 12; ++i) x.data()[i] = uniform(random);
-    if (volume(x) < 0) x.col(2).swap(x.col(3));
-  } while (volume(x) < 0.02);
+    if (volume_of(x) < 0) x.col(2).swap(x.col(3));
+  } while (volume_of(x) < 0.02);
   return x;
 }
 
 TEST(StrainBarrier, IsNothingAtRestWhereverThatIs) {
-  std::mt19937 random(kSeed);
-  const Corners x = positive_tet(random);
+  std::mt19937 random(kStrainSeed);
+  const CornerMatrix x = positive_tet(random);
   const Eigen::Matrix3d R = Eigen::Quaterniond(.3, .1, -.8, .5).normalized().toRotationMatrix();
-  Corners y = R * x;
+  CornerMatrix y = R * x;
   y.colwise() += Eigen::Vector3d(3, -1, 2);
   TetEnergy e;
   EXPECT_NEAR(strain_barrier(y, at_rest(x), {2, 3}, Curvature::definite, e), 0, 1e-12);
   EXPECT_LT(e.gradient.norm(), 1e-10);
-  EXPECT_NEAR(at_rest(x).volume, volume(x), 1e-15);
+  EXPECT_NEAR(at_rest(x).volume, volume_of(x), 1e-15);
 }
 
 TEST(StrainBarrier, IsInfiniteForFlatAndFlippedTets) {
-  std::mt19937 random(kSeed);
-  const Corners x = positive_tet(random);
-  Corners flat = x;
+  std::mt19937 random(kStrainSeed);
+  const CornerMatrix x = positive_tet(random);
+  CornerMatrix flat = x;
   flat.col(3) = (x.col(0) + x.col(1)) / 2;
-  Corners flipped = x;
+  CornerMatrix flipped = x;
   flipped.col(0).swap(flipped.col(1));
   TetEnergy e;
   EXPECT_TRUE(std::isinf(strain_barrier(flat, at_rest(x), {}, Curvature::definite, e)));
@@ -62,21 +62,21 @@ TEST(StrainBarrier, IsInfiniteForFlatAndFlippedTets) {
 }
 
 TEST(StrainBarrier, DerivativesMatchFiniteDifferences) {
-  RecordProperty("seed", static_cast<int>(kSeed));
-  std::mt19937 random(kSeed);
+  RecordProperty("seed", static_cast<int>(kStrainSeed));
+  std::mt19937 random(kStrainSeed);
   int squeezed = 0;
   for (int trial = 0; trial < 200; ++trial) {
-    const Corners x = positive_tet(random);
+    const CornerMatrix x = positive_tet(random);
     const RestTet rest = at_rest(positive_tet(random));
     const StrainWeights w{trial % 3 == 0 ? 0.0 : 0.7, trial % 3 == 1 ? 0.0 : 0.3};
-    squeezed += volume(x) < rest.volume;
+    squeezed += volume_of(x) < rest.volume;
     TetEnergy e, side;
     const double value = strain_barrier(x, rest, w, Curvature::exact, e);
     ASSERT_NEAR(value, strain_barrier(x, rest, w), 1e-12 * (1 + std::fabs(value)));
-    const double h = 1e-5 * std::cbrt(volume(x));
+    const double h = 1e-5 * std::cbrt(volume_of(x));
     Matrix12 differences;
     for (int k = 0; k < 12; ++k) {
-      Corners y = x;
+      CornerMatrix y = x;
       y.data()[k] += h;
       const double plus = strain_barrier(y, rest, w, Curvature::exact, side);
       const Eigen::Matrix<double, 12, 1> up = side.gradient;
@@ -91,10 +91,10 @@ TEST(StrainBarrier, DerivativesMatchFiniteDifferences) {
 }
 
 TEST(StrainBarrier, TheDefiniteHessianHasNoNegativeEigenvalueAndIsNoLess) {
-  std::mt19937 random(kSeed + 1);
+  std::mt19937 random(kStrainSeed + 1);
   int indefinite = 0;
   for (int trial = 0; trial < 200; ++trial) {
-    const Corners x = positive_tet(random);
+    const CornerMatrix x = positive_tet(random);
     const RestTet rest = at_rest(positive_tet(random));
     TetEnergy exact, definite;
     strain_barrier(x, rest, {}, Curvature::exact, exact);

@@ -63,7 +63,8 @@ TEST(VolumeArapStage, SameBytesOnAnyNumberOfThreads) {
   RunContext one, four;
   one.threads = 1, four.threads = 4;
   const VertexMatrix target = twisted(mesh, 90);
-  EXPECT_EQ(volume_arap(mesh, target, {}, one).value().mesh.V, volume_arap(mesh, target, {}, four).value().mesh.V);
+  EXPECT_EQ(volume_arap(mesh, target, {}, one).value().mesh.V,
+            volume_arap(mesh, target, {}, four).value().mesh.V);
 }
 
 TEST(VolumeArapStage, ErrorsAreValues) {
