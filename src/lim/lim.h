@@ -37,8 +37,8 @@ struct LimOptions {
   int remeshes = 6;        // at most
   double radius_edge = 2;  // of TetGen's tets
   // Does not get on: so many iterations in turn without so much of the distance to V0 gone.
-  int patience = 12;
-  double progress = 0.02;
+  int patience = 10;
+  double progress = 0.1;
   double seconds =
       1e9;  // of wall time, for runs with a time limit: what there is by then is taken as the end
 

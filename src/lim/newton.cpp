@@ -36,7 +36,7 @@ double positive_until(const Corners& from, const Corners& to, double most) {
     if (t <= most && std::all_of(b.begin(), b.end(), [](double x) { return x > 0; })) return t;
     if (t < kRounding) return 0;
     // The coefficients on the part of the way that is left: de Casteljau.
-    const double part = t > most ? most / t : 0.5;
+    const double part = t > most ? most / t : 0.8;
     for (int round = 1; round < 4; ++round)
       for (int i = 3; i >= round; --i) b[i] = (1 - part) * b[i - 1] + part * b[i];
     t = t > most ? most : t * part;

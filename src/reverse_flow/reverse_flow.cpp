@@ -550,7 +550,7 @@ ReverseFlowOptions paper_reverse_flow() {
   o.inertia = true;
   o.repulsion = 1000;
   o.align_stages = true;
-  o.stage_still = 0.02;
+  o.stage_still = 0.1;
   o.max_stages = 1 << 30;                            // all
   o.lock_iterations = o.locked_rollbacks = 1 << 30;  // it goes on to the end
   return o;

@@ -23,7 +23,8 @@ MeshingOptions recipe(PaperRecipe::Map map) {
 
 const StageRecord* stage(const PipelineResult& r, const std::string& name) {
   const auto& all = r.report.stages;
-  const auto found = std::find_if(all.begin(), all.end(), [&](const StageRecord& s) { return s.name == name; });
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const StageRecord& s) { return s.name == name; });
   return found == all.end() ? nullptr : &*found;
 }
 
@@ -96,7 +97,9 @@ TEST(PresetPaper, FlippedTetsAreListed) {
   EXPECT_TRUE(lax.report.branch_edges.empty());
   std::set<Index> listed(lax.report.flipped_tets.begin(), lax.report.flipped_tets.end());
   for (Index t = 0; t < lax.mesh.T.rows(); ++t) {
-    const auto at = [&](int k) { return lax.mesh.V.data() + 3 * static_cast<std::ptrdiff_t>(lax.mesh.T(t, k)); };
+    const auto at = [&](int k) {
+      return lax.mesh.V.data() + 3 * static_cast<std::ptrdiff_t>(lax.mesh.T(t, k));
+    };
     EXPECT_EQ(orient3d(at(0), at(1), at(2), at(3)) <= 0, listed.contains(t)) << t;
   }
   const VerifyResult v = verify(s, lax.mesh);
