@@ -592,7 +592,7 @@ class Flow {
         result_.reverse_free.assign(vertices_, 1);
         return true;
       }
-      if (full && !options_.patient && (stagnation.stalled(pairs) || exploded(pairs))) return false;
+      if (full && (stagnation.stalled(pairs) || (!options_.patient && exploded(pairs)))) return false;
     }
     return false;
   }
@@ -656,6 +656,7 @@ ForwardFlowOptions paper_forward_flow() {
   o.regional = false;
   o.global = {{FlowWeights::cotangent, 1e-4, 600}, {FlowWeights::intrinsic_delaunay, 1e-4, 600}};
   o.test_all_pairs = o.patient = true;
+  o.global_stall_tests = 200;
   return o;
 }
 

@@ -74,7 +74,7 @@ struct ForwardFlowOptions {
   double stall_drop = 0.05;       // such a relative drop of the number of pairs: stalled
   int global_stall_tests = 10;    // the global flow first lets limbs grow through each other
   bool test_all_pairs = false;    // global: at every step, not only those that met before until none does
-  bool patient = false;           // global: all steps are made, however many pairs there are
+  bool patient = false;           // global: it goes on however many pairs there are
 
   std::vector<GlobalFlow> global = default_global_flows();  // tried in this order
   int extra_steps = 0;                                      // past t*, before turning back
