@@ -14,14 +14,14 @@
 namespace overtet {
 
 enum class ErrorCode {
-  usage = 2,       // the options contradict each other or are out of range
-  bad_input = 3,   // the input is not a surface that can be meshed; the message names the element
-  unsolved = 4,    // no mesh was found, and nothing proves that there is none
-  infeasible = 5,  // no such mesh exists; the certificate says why
-  limit = 6,       // the time or memory limit was reached
-  io = 7,          // a file could not be read or written
-  internal = 70,   // a bug
-  interrupted = 130
+  usage = 2,         // the options contradict each other or are out of range
+  bad_input = 3,     // the input is not a surface that can be meshed; the message names the element
+  unsolved = 4,      // no mesh was found, and nothing proves that there is none
+  infeasible = 5,    // no such mesh exists; the certificate says why
+  limit = 6,         // the time or memory limit was reached
+  io = 7,            // a file could not be read or written
+  internal = 70,     // a bug
+  interrupted = 130  // the program ends with 143 or 129 where SIGTERM or SIGHUP did it
 };
 
 // What more is known of an error, where that decides what is tried or advised next.

@@ -60,7 +60,13 @@ struct RunContext {
 std::size_t tree_resident_bytes();
 
 // What a process may use before the machine swaps or kills it, in bytes: the memory in use now and what
-// is free (/proc/meminfo), or what its control group allows if that is less. 0 where that is not known.
+// is free (/proc/meminfo), or what its control group or Slurm (SLURM_MEM_PER_NODE, SLURM_MEM_PER_CPU) allows
+// if that is less. 0 where that is not known.
 std::size_t usable_memory_bytes();
+
+// How many threads can run at once: the cores that the process may use (its affinity), or what the CPU quota
+// of its control group or Slurm (SLURM_CPUS_PER_TASK) allows if that is less; at least 1. Parts of a core
+// that a quota allows do not count.
+int usable_cores();
 
 }  // namespace overtet

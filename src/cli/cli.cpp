@@ -24,6 +24,13 @@ LogLevel level_named(const std::string& name) {
   return LogLevel::warning;
 }
 
+void add_messages(CLI::App& command, CommonOptions& o) {
+  command.add_flag("--quiet,-q", o.quiet, "Print errors only");
+  command.add_option("--log-level", o.log_level, "Which messages to print: error, warning, info or debug")
+      ->check(CLI::IsMember({"error", "warning", "info", "debug"}))
+      ->capture_default_str();
+}
+
 void add_common(CLI::App& command, CommonOptions& o) {
   command
       .add_option("--threads", o.threads,
@@ -36,10 +43,7 @@ void add_common(CLI::App& command, CommonOptions& o) {
                   "MiB that the program and its child processes may use together (exit 6 if they need more; "
                   "default: 90 % of what is free)")
       ->check(more_than_zero());
-  command.add_flag("--quiet,-q", o.quiet, "Print errors only");
-  command.add_option("--log-level", o.log_level, "Which messages to print: error, warning, info or debug")
-      ->check(CLI::IsMember({"error", "warning", "info", "debug"}))
-      ->capture_default_str();
+  add_messages(command, o);
 }
 
 void add_cleaning(CLI::App& command, InputOptions& o) {
@@ -325,6 +329,77 @@ CLI::App* add_convert(CLI::App& app, ConvertCommand& convert) {
   return command;
 }
 
+CLI::App* add_batch(CLI::App& app, BatchCommand& batch, CommonOptions& common) {
+  CLI::App* command = app.add_subcommand(
+      "batch", "Mesh many surfaces, each in a process of its own, and keep a journal that can be resumed");
+  command
+      ->add_option(
+          "MODELS", batch.models,
+          "Folder of surfaces (all below it count), or manifest: a text file with a path a line; with "
+          "--summary: folders of results, or journals")
+      ->required();
+  command->add_option(
+      "--output,-o", batch.folder,
+      "Folder of the results: for each model NAME.mesh (or what --format says) and NAME.json, its "
+      "report; and journal.jsonl");
+  command
+      ->add_option(
+          "--jobs", batch.jobs,
+          "Models at a time (default: as many as there are cores; affinity, CPU quotas of control groups "
+          "and SLURM_CPUS_PER_TASK are respected)")
+      ->check(between(1, 4096));
+  command
+      ->add_option(
+          "--threads-per-job", batch.threads_per_job,
+          "Threads for each (default: one; more for a model that is much of what is left, and where there "
+          "are fewer jobs than cores)")
+      ->check(between(1, 4096));
+  command->add_option("--time-limit", common.time_limit, "Seconds for each model")->check(more_than_zero());
+  command
+      ->add_option(
+          "--memory-limit", common.memory_limit,
+          "MiB for each model (default: its share of 90 % of what is free; what needs more is tried again "
+          "at the end, alone, with all of it)")
+      ->check(more_than_zero());
+  command->add_flag(
+      "--resume", batch.resume,
+      "Skip what the journals in the folder have: same contents, options and version, and the result is "
+      "there");
+  command->add_option(
+      "--shard", batch.shard,
+      "I/N: do part I (from 1) of N parts; together they do all, each on a machine of its own or not");
+  command->add_option("--format", batch.format, tet_formats() + " (default: medit)")
+      ->check(CLI::IsMember(tet_format_names));
+  command->add_option("--report", batch.report,
+                      "Write a summary of the folder's journals to this file at the end: JSON");
+  command->add_flag(
+      "--summary", batch.summary,
+      "Mesh nothing: print what the journals of these folders say, and write the tables asked for");
+  command->add_option("--csv", batch.csv, "With --summary: a row a model");
+  command->add_option("--json", batch.json, "With --summary: totals and all entries");
+  command->add_option("--html", batch.html, "With --summary: one page with histograms and a table");
+  add_messages(*command, common);
+  command->footer(
+      "What stands after -- goes to overtet mesh, for each model: overtet batch DIR -o OUT -- --improve 20. "
+      "There "
+      "{name} is the name of the model's results, without an ending.\n"
+      "Exit codes: 0 every model has an answer (whatever it is), 2 usage, 7 the journal or a result cannot "
+      "be "
+      "written, or a model cannot be read, 70 a model crashed, 130 or 143 interrupted (go on with "
+      "--resume).");
+  return command;
+}
+
+// What stands after -- is not ours: it is taken away here.
+std::vector<std::string> words_for_mesh(std::vector<std::string>& words) {
+  if (words.empty() || words[0] != "batch") return {};
+  const auto dashes = std::find(words.begin(), words.end(), "--");
+  if (dashes == words.end()) return {};
+  std::vector<std::string> after(dashes + 1, words.end());
+  words.erase(dashes, words.end());
+  return after;
+}
+
 int parse_and_run(int argc, char** argv) {
   CLI::App app(
       "Overtet makes tetrahedral meshes of closed triangle surfaces that pass through themselves: every "
@@ -337,7 +412,7 @@ int parse_and_run(int argc, char** argv) {
       "overtet FILE -o OUTPUT is short for overtet mesh; overtet help COMMAND explains one.\n"
       "Exit codes: 0 done, 2 usage, 3 bad input, 4 unsolved (verify: the mesh is wrong), 5 infeasible (the "
       "report has a witness), 6 time or memory limit, 7 a file cannot be read or written, 70 internal error, "
-      "130 interrupted.");
+      "130 interrupted (143 by SIGTERM, 129 by SIGHUP).");
 
   CommonOptions common;
   MeshCommand mesh;
@@ -347,6 +422,7 @@ int parse_and_run(int argc, char** argv) {
   PrepareWords prepare_words;
   VerifyCommand verify;
   ConvertCommand convert;
+  BatchCommand batch;
   CLI::App* mesh_app = add_mesh(app, mesh);
   add_cleaning(*mesh_app, mesh.clean);
   CLI::App* inspect_app = add_inspect(app, inspect);
@@ -359,8 +435,11 @@ int parse_and_run(int argc, char** argv) {
   CLI::App* convert_app = add_convert(app, convert);
   for (CLI::App* command : {mesh_app, inspect_app, repair_app, prepare_app, verify_app, convert_app})
     add_common(*command, common);
+  CLI::App* batch_app = add_batch(app, batch, common);
 
-  Result<std::vector<std::string>> words = understood({argv + 1, argv + argc}, app);
+  std::vector<std::string> given(argv + 1, argv + argc);
+  batch.mesh_options = words_for_mesh(given);
+  Result<std::vector<std::string>> words = understood(std::move(given), app);
   Terminal complaints(LogLevel::warning, Terminal::Talk::all);
   if (!words) return fail(complaints, words.error());
   try {
@@ -390,6 +469,7 @@ int parse_and_run(int argc, char** argv) {
     return run(prepare, common, terminal);
   }
   if (*convert_app) return run(convert, common, terminal);
+  if (*batch_app) return run(batch, common, terminal);
   return run(verify, common, terminal);
 }
 
@@ -406,7 +486,7 @@ RunContext CommonOptions::context(Terminal& terminal) const {
     c.memory_limit_bytes = static_cast<std::size_t>(kFreeMemory * static_cast<double>(usable_memory_bytes()));
   else if (memory_limit < 0x1p43)
     c.memory_limit_bytes = static_cast<std::size_t>(memory_limit * 0x1p20);
-  c.threads = threads;
+  c.threads = threads > 0 ? threads : usable_cores();
   c.progress = [&terminal](std::string_view stage, double fraction, std::string_view detail) {
     terminal.progress(stage, fraction, detail);
   };
@@ -424,7 +504,7 @@ std::string with_hint(const Error& error) {
 
 int fail(Terminal& terminal, const Error& error) {
   terminal.error(with_hint(error));
-  return static_cast<int>(error.code);
+  return exit_code(error.code);
 }
 
 int run_command_line(int argc, char** argv) {

@@ -360,7 +360,7 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
   }
   if (!made) {
     terminal.error(report.message);
-    return static_cast<int>(made.error().code);
+    return exit_code(made.error().code);
   }
   if (report.status == RunStatus::flipped) {
     terminal.error(report.message);

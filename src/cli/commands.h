@@ -77,6 +77,18 @@ struct ConvertCommand {
   int order = 1;
 };
 
+// More than 12 members: what the user chose, option by option.
+struct BatchCommand {
+  std::vector<std::string> models;  // one folder or manifest; of a summary journals and folders
+  std::string folder, report, format;
+  int jobs = 0, threads_per_job = 0;  // 0: so that all cores are busy
+  bool resume = false;
+  std::string shard;  // "2/20"; empty: all
+  bool summary = false;
+  std::string csv, json, html;            // of a summary
+  std::vector<std::string> mesh_options;  // what stands after --
+};
+
 // Each returns the exit code.
 int run(const MeshCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const InspectCommand& command, const CommonOptions& common, Terminal& terminal);
@@ -84,6 +96,7 @@ int run(const RepairCommand& command, const CommonOptions& common, Terminal& ter
 int run(const PrepareCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const VerifyCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const ConvertCommand& command, const CommonOptions& common, Terminal& terminal);
+int run(const BatchCommand& command, const CommonOptions& common, Terminal& terminal);
 
 // The format that is asked for by name, else that of the ending; says so where they differ.
 Result<TetFormat> output_format(const std::string& path, const std::string& named, Terminal& terminal);

@@ -19,9 +19,14 @@ namespace overtet {
 namespace {
 
 std::atomic<bool> interrupted{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
+std::atomic<int> last_signal{SIGINT};
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
+              "a signal handler sets them");
 
-extern "C" void on_signal(int) { interrupted.store(true, std::memory_order_relaxed); }
+extern "C" void on_signal(int signal) {
+  last_signal.store(signal, std::memory_order_relaxed);
+  interrupted.store(true, std::memory_order_release);
+}
 
 [[noreturn]] void end_at_once(int code) {
   remove_unfinished_files();
@@ -40,7 +45,7 @@ void end_when_stuck() {
     pollfd error{STDERR_FILENO, POLLOUT, 0};
     if (poll(&error, 1, 0) == 1 && (error.revents & POLLOUT) != 0)
       (void)!::write(STDERR_FILENO, words.data(), words.size());
-    end_at_once(static_cast<int>(ErrorCode::interrupted));
+    end_at_once(exit_code(ErrorCode::interrupted));
   }
 }
 
@@ -59,14 +64,26 @@ std::thread quiet_thread(F&& f) {
 
 const std::atomic<bool>& interrupt_flag() { return interrupted; }
 
+int exit_code(ErrorCode code) {
+  return code == ErrorCode::interrupted ? 128 + last_signal.load(std::memory_order_relaxed)
+                                        : static_cast<int>(code);
+}
+
 void install_signal_handlers() {
   struct sigaction action {};
   action.sa_handler = on_signal;
   sigemptyset(&action.sa_mask);
   action.sa_flags = SA_RESTART;
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
-  // Writing to a closed pipe is an error like others.
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction before {};
+    sigaction(signal, nullptr, &before);
+    // Whoever started us with nohup wants us to outlive the terminal.
+    if (signal == SIGHUP && before.sa_handler == SIG_IGN) continue;
+    sigaction(signal, &action, nullptr);
+  }
+  // Writing to a closed pipe, and more than `ulimit -f` allows, are errors like others.
   ::signal(SIGPIPE, SIG_IGN);
+  ::signal(SIGXFSZ, SIG_IGN);
   static std::once_flag once;
   std::call_once(once, [] { quiet_thread(end_when_stuck).detach(); });
 }
@@ -117,7 +134,7 @@ void Watchdog::watch() {
                 .reason = ErrorReason::memory_limit};
     if (end) {
       late_(*end);
-      end_at_once(static_cast<int>(end->code));
+      end_at_once(exit_code(end->code));
     }
   }
 }

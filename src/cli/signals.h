@@ -13,10 +13,15 @@
 
 namespace overtet {
 
-// Set by SIGINT, SIGTERM and SIGHUP once install_signal_handlers() was called. The program has three seconds
-// from then on, whatever it is doing: then it is ended with exit code 130.
+// Set by SIGINT, SIGTERM and SIGHUP (unless that was ignored before, as nohup does) once
+// install_signal_handlers() was called. The program has less than two seconds from then on, whatever it is
+// doing: then it is ended.
 const std::atomic<bool>& interrupt_flag();
 void install_signal_handlers();
+
+// What the program ends with: as shells say it, 128 and the number of the signal where one has interrupted it
+// (130 SIGINT, 143 SIGTERM, 129 SIGHUP); else the code's own number.
+int exit_code(ErrorCode code);
 
 // Ends the program where a run does not notice in time that it should stop (a long call into a library).
 // Nothing is lost by that: outputs have no name before they are complete, child processes end with us.

@@ -21,6 +21,7 @@ class Terminal {
   void say(std::string_view message);    // not with --quiet
   void error(std::string_view message);  // always; one line
   void clear();                          // takes the bar away
+  bool has_bar() const { return bar_; }  // else progress() shows nothing
 
  private:
   void clear_locked();

@@ -206,10 +206,10 @@ class Reverse {
         return false;
       }
       standstill = record.move > 0 ? 0 : standstill + 1;
-      // Pins may be put back for ever; what moves decides.
-      const bool pins = o_.response == ReverseFlowOptions::ContactResponse::pins;
-      const double still = number + 1 < stages ? std::max(o_.still, o_.stage_still) : o_.still;
-      if (standstill >= kInVain || (record.move < still && (pins || record.halvings == 0))) break;
+      // Pins may be put back for ever: in a stage on the way what moves decides.
+      if (standstill >= kInVain || (record.move < o_.still && record.halvings == 0) ||
+          (number + 1 < stages && record.move < o_.stage_still))
+        break;
     }
     return true;
   }
@@ -551,8 +551,7 @@ ReverseFlowOptions paper_reverse_flow() {
   o.inertia = true;
   o.repulsion = 1000;
   o.align_stages = true;
-  o.stage_still = 0.1;
-  o.still = 0.01;
+  o.stage_still = 0.05;
   o.max_stages = 1 << 30;                            // all
   o.lock_iterations = o.locked_rollbacks = 1 << 30;  // it goes on to the end
   return o;

@@ -81,7 +81,7 @@ struct ReverseFlowOptions {
   // Stop a stage when no vertex moves further than this part of its mean edge. Small on purpose: ARAP
   // creeps, and stopping early was measured to be worse than iterating on.
   double still = 1e-5;
-  double stage_still = 0;     // the same for stages but the last, where it is more
+  double stage_still = 0;     // the same for stages but the last, held vertices or not
   bool align = true;          // if everything was free: the rigid motion that fits U0 to V0 best
   bool align_stages = false;  // and after each stage the one that fits U_t to V_t
   // Stop iterating then and return what there is. Work: free faces and contacts, summed over iterations and

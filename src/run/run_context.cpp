@@ -8,6 +8,8 @@
 #include <limits>
 #include <string>
 
+#include "src/run/usable.h"
+
 namespace overtet {
 
 namespace {
@@ -75,6 +77,7 @@ std::size_t usable_memory_bytes() {
         usable =
             std::min(usable, number_in("/sys/fs/cgroup/memory" + at + "/memory.limit_in_bytes", "", none));
   }
+  if (const auto slurm = slurm_memory_bytes()) usable = std::min(usable, static_cast<std::size_t>(*slurm));
   return usable == none ? 0 : usable;
 }
 

@@ -801,7 +801,7 @@ TEST_F(Cli, WhatIsFreeIsTheMemoryLimitUnlessOneIsGiven) {
 
 TEST_F(Cli, InterruptsLeaveNothingBehind) {
   const std::string in = save("a.ply", test::box(80));  // grids are left to TetGen
-  for (const int number : {SIGINT, SIGTERM}) {
+  for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
     const TemporaryFolder logs;
     test::Process p(
         {OVERTET_PROGRAM, "mesh", in, "-o", folder_.file("o.mesh"), "--report", folder_.file("r.json")},
@@ -816,7 +816,7 @@ TEST_F(Cli, InterruptsLeaveNothingBehind) {
     p.signal(number);
     const std::optional<int> code = p.wait(20);
     ASSERT_TRUE(code.has_value());
-    EXPECT_EQ(*code, 130);
+    EXPECT_EQ(*code, 128 + number);
     EXPECT_EQ(test::read_text(logs.file("err")), "overtet: Interrupted; nothing was written.\n");
     for (const pid_t child : children) {
       for (int i = 0; i < 400 && test::is_running(child); ++i)
@@ -915,7 +915,7 @@ TEST_F(CliPipes, AnOutputPipeThatIsNotReadIgnoredSignals) {
     const auto p = start({"mesh", in, "-o", out});
     ASSERT_TRUE(fills(reader));
     p->signal(number);
-    EXPECT_EQ(p->wait(60), 130);
+    EXPECT_EQ(p->wait(60), 128 + number);
     EXPECT_EQ(said(), "overtet: Interrupted.\n");
     ::close(reader);
   }
@@ -933,7 +933,7 @@ TEST_F(CliPipes, AnInputPipeThatNothingComesFromHeedsSignals) {
       const auto p = start(words);
       ASSERT_TRUE(wait_until([&] { return heeds_signals(p->id()); }));
       p->signal(SIGTERM);
-      EXPECT_EQ(p->wait(60), 130) << words[0];
+      EXPECT_EQ(p->wait(60), 128 + SIGTERM) << words[0];
       if (writer) ::close(end);
     }
   }
