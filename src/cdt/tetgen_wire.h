@@ -10,6 +10,7 @@ constexpr std::uint32_t kMagic = 0x4f54475au;
 
 // Followed by V (3 doubles each), F (3 int32 each), holes (3 doubles each). With tets (coarsen-and-refine; F
 // is then their boundary) also by these (4 int32 each) and by the edges of the boundary (2 int32 each).
+// More than 12 members: a header as it goes from one process to the other.
 struct Request {
   std::uint32_t magic = kMagic;
   std::uint32_t quality = 0;

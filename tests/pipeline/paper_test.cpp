@@ -9,6 +9,7 @@
 #include "overtet/verification.h"
 #include "src/pipeline/pipeline.h"
 #include "tests/support/models.h"
+#include "tests/support/noise.h"
 
 namespace overtet {
 namespace {
