@@ -123,8 +123,8 @@ TEST(PresetPaper, WhatIsInfeasibleIsTriedOnlyWhereFlipsAreAllowed) {
 
 // Two solids that pass through each other: no flow can pull them apart, and none has to.
 TEST(PresetPaper, PartsAreMeshedOneByOne) {
-  for (const Surface& s : {test::two_spheres(), test::sphere_with_cavity(),
-                           test::joined(test::curled_worm(390, 10), test::sphere(2, 1, {0.5, 0, 0}))}) {
+  for (const Surface& s :
+       {test::two_spheres(), test::joined(test::curled_worm(390, 10), test::sphere(2, 1, {0.5, 0, 0}))}) {
     const PipelineResult r = run_pipeline(s, recipe(PaperRecipe::Map::lim), {});
     EXPECT_EQ(r.report.status, RunStatus::exact) << r.report.message;
     EXPECT_TRUE(verify(s, r.mesh).ok());
