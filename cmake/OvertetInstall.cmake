@@ -12,6 +12,14 @@ if(OVERTET_SHARED)  # the program finds the library wherever the whole has been 
 endif()
 install(TARGETS overtet RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
 install(TARGETS overtet-tetgen RUNTIME DESTINATION ${OVERTET_HELPER_DIR} COMPONENT program)
+install(DIRECTORY ${CMAKE_BINARY_DIR}/manuals/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program
+  FILES_MATCHING PATTERN "*.1")
+install(FILES ${CMAKE_BINARY_DIR}/manuals/overtet COMPONENT program
+  DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/bash-completion/completions)
+install(FILES ${CMAKE_BINARY_DIR}/manuals/_overtet COMPONENT program
+  DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/zsh/vendor-completions)
+install(FILES ${CMAKE_BINARY_DIR}/manuals/overtet.fish COMPONENT program
+  DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/fish/vendor_completions.d)
 install(TARGETS overtet_library EXPORT overtet
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT program NAMELINK_COMPONENT development)

@@ -13,6 +13,7 @@
 //   attributes.h    labels, regions, layers and what else goes with a mesh
 //   curves.h        intersection_curves()
 //   io.h            reading and writing
+//   view.h          write_page(): a page to look at
 //   report.h        what a run says about itself, as JSON
 //   version.h
 //
@@ -34,3 +35,4 @@
 #include "overtet/types.h"
 #include "overtet/verification.h"
 #include "overtet/version.h"
+#include "overtet/view.h"

@@ -32,6 +32,9 @@ struct RunContext {
   // Where whoever watches the run keeps the most memory that was in use since a stage began. Null: nobody
   // does.
   std::atomic<std::size_t>* stage_peak_bytes = nullptr;
+  // Asked by whoever writes a file once that is complete on the disk, before it gets its name; false: it gets
+  // none, and writing it is an error. Null: it always gets its name.
+  std::function<bool()> may_name;
   // The program overtet-tetgen, which runs TetGen in a process of its own. Empty: beside the running program,
   // else where this installation has it.
   std::string tetgen_helper;
@@ -41,6 +44,9 @@ struct RunContext {
 
   // Why the run must stop now, if it must: interrupted or limit. Cheap; call it in every outer loop.
   std::optional<Error> stop() const;
+
+  // Why a file that is complete must not get its name, if it must not: stop(), or may_name says so.
+  std::optional<Error> no_name() const;
 
   // Why `bytes` more cannot be taken, if they cannot. Call before every large allocation.
   std::optional<Error> no_room_for(std::size_t bytes) const;
@@ -58,6 +64,9 @@ struct RunContext {
 
 // Resident memory of this process and its descendants: what memory_limit_bytes is compared with.
 std::size_t tree_resident_bytes();
+
+// How soon to look again at what is in use where that may grow by so many bytes: sooner than it can.
+std::chrono::microseconds look_again_after(std::size_t bytes);
 
 // What a process may use before the machine swaps or kills it, in bytes: the memory in use now and what
 // is free (/proc/meminfo), or what its control group or Slurm (SLURM_MEM_PER_NODE, SLURM_MEM_PER_CPU) allows

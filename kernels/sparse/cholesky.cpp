@@ -25,7 +25,14 @@ struct Cholmod {
     void* library = dlopen(name.c_str(), RTLD_NOW | RTLD_GLOBAL);
     // Where the loader does not look: as it was found when this was built.
     if (!library) library = dlopen(OVERTET_CHOLMOD_FILE, RTLD_NOW | RTLD_GLOBAL);
-    if (!library) throw std::runtime_error("cannot load " + name + " (of SuiteSparse)");
+    if (!library) {
+      // The loader says "cannot allocate memory" or "failed to map segment".
+      const char* const why = dlerror();
+      const std::string_view reason = why ? why : "";
+      if (reason.find("memory") != reason.npos || reason.find("map segment") != reason.npos)
+        throw std::bad_alloc();
+      throw std::runtime_error("cannot load " + name + " (of SuiteSparse)");
+    }
     find(library, "cholmod_start", start);
     find(library, "cholmod_finish", finish);
     find(library, "cholmod_analyze", analyze);

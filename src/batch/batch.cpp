@@ -425,22 +425,6 @@ Result<BatchCounts> Batch::run() {
 
 }  // namespace
 
-std::string listed(const std::map<std::string, std::int64_t>& statuses) {
-  // Good news first.
-  static const char* const order[] = {"exact",     "repaired", "refined", "branched", "infeasible",
-                                      "bad-input", "unsolved", "limit",   "failed",   "crashed"};
-  std::string text;
-  const auto add = [&](const std::string& status, std::int64_t n) {
-    text += (text.empty() ? "" : ", ") + std::to_string(n) + " " + status;
-  };
-  for (const char* status : order)
-    if (const auto found = statuses.find(status); found != statuses.end()) add(status, found->second);
-  for (const auto& [status, n] : statuses)
-    if (std::none_of(std::begin(order), std::end(order), [&](const char* o) { return status == o; }))
-      add(status, n);
-  return text;
-}
-
 Status BatchOptions::validate() const {
   const auto wrong = [](const char* what) { return Error{ErrorCode::usage, what}; };
   if (jobs < 0 || threads < 0 || cores < 1)

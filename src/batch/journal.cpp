@@ -156,7 +156,9 @@ std::string to_line(const JournalEntry& entry) {
 
 std::optional<JournalEntry> entry_of(const std::string& line) {
   const Json j = Json::parse(line, nullptr, false);
-  if (!j.is_object() || j.value("journal", Json()) != Json(kFormat)) return std::nullopt;
+  if (!j.is_object()) return std::nullopt;
+  const auto format = j.find("journal");
+  if (format == j.end() || !format->is_number_integer() || *format != kFormat) return std::nullopt;
   JournalEntry e;
   Reader reader(j);
   each_field(e, [&](const char* key, auto& value) { reader.read(key, value); });

@@ -29,7 +29,16 @@ std::string without_ending(const std::string& name) {
   fs::path path = name;
   if (lower(path.extension()) == ".gz") path.replace_extension();
   path.replace_extension();
-  return path;
+  // "...obj" has a name with its ending only.
+  return path.filename() == "." || path.filename() == ".." ? name : path.string();
+}
+
+// What a manifest has, as a message quotes it: on one line, and not longer than a path may be.
+std::string quoted(const std::string& text) {
+  std::string out = text.substr(0, 256);
+  for (char& c : out)
+    if (static_cast<unsigned char>(c) < ' ' || c == 127) c = '?';
+  return "\"" + out + (text.size() > out.size() ? "...\"" : "\"");
 }
 
 // A relative path that stays inside the folder that it is put into.
@@ -96,7 +105,7 @@ Result<Listed> read_json_line(const std::string& line, const fs::path& folder) {
   if (!json.is_object()) return wrong("is no JSON object");
   for (const auto& [key, value] : json.items())
     if (key != "input" && key != "output" && key != "options")
-      return wrong("has the key \"" + key + "\"; known are input, output and options");
+      return wrong("has the key " + quoted(key) + "; known are input, output and options");
   const auto input = json.find("input");
   if (input == json.end() || !input->is_string() || input->get<std::string>().empty())
     return wrong("has no \"input\" that is a path");
@@ -166,7 +175,8 @@ Result<std::vector<Model>> models_of_manifest(const std::string& text, const std
   for (const Listed& l : list)
     if (l.model.name.empty() || l.model.path.find('\0') != std::string::npos ||
         l.model.name.find('\0') != std::string::npos)
-      return Error{ErrorCode::bad_input, manifest_name + ": \"" + l.model.path + "\" is no path of a file."};
+      return Error{ErrorCode::bad_input,
+                   manifest_name + ": " + quoted(l.model.path) + " is no path of a file."};
   return with_names(std::move(list));
 }
 

@@ -77,6 +77,21 @@ std::map<std::string, std::int64_t> statuses_of(const BatchSummary& s) {
 
 }  // namespace
 
+std::string listed(const std::map<std::string, std::int64_t>& statuses) {
+  // Good news first.
+  static const char* const order[] = {"exact",     "repaired", "refined", "branched", "infeasible",
+                                      "bad-input", "unsolved", "limit",   "failed",   "crashed"};
+  std::string text;
+  const auto add = [&](const std::string& status, std::int64_t n) {
+    text += (text.empty() ? "" : ", ") + std::to_string(n) + " " + status;
+  };
+  for (const char* status : order)
+    if (const auto found = statuses.find(status); found != statuses.end()) add(status, found->second);
+  for (const auto& [status, n] : statuses)
+    if (std::find(std::begin(order), std::end(order), status) == std::end(order)) add(status, n);
+  return text;
+}
+
 Result<BatchSummary> summarise(const std::vector<std::string>& journals_or_folders) {
   std::map<std::string, JournalEntry> last;
   BatchSummary summary;

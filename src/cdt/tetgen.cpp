@@ -12,11 +12,17 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
+#include <fstream>
+#include <iterator>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <string>
+#include <thread>
 
 #include "kernels/core/triangles.h"
 #include "kernels/core/tuning.h"
@@ -62,9 +68,7 @@ class Child {
     // Half the margin between what is in use and the limit would be too timid: the child gets all of it.
     unsigned long long memory = 0;
     if (context.memory_limit_bytes > 0) {
-      rusage mine{};
-      getrusage(RUSAGE_SELF, &mine);
-      const unsigned long long used = static_cast<unsigned long long>(mine.ru_maxrss) * 1024;
+      const std::size_t used = tree_resident_bytes();
       memory = context.memory_limit_bytes > used ? context.memory_limit_bytes - used : 1;
       memory = std::max<unsigned long long>(memory, 16ull << 20);
     }
@@ -124,7 +128,11 @@ class Child {
     while (bytes > 0) {
       if (auto error = context.stop()) return *error;
       pollfd p{socket_, POLLIN, 0};
-      if (poll(&p, 1, kLookPeriod.count()) <= 0) continue;
+      if (poll(&p, 1, kLookPeriod.count()) <= 0) {
+        if (is_stuck()) return false;
+        continue;
+      }
+      idle_looks_ = 0;
       const ssize_t got = recv(socket_, at, std::min<std::size_t>(bytes, 1 << 20), MSG_DONTWAIT);
       if (got < 0 && (errno == EAGAIN || errno == EINTR)) continue;
       if (got <= 0) return false;
@@ -134,25 +142,62 @@ class Child {
     return true;
   }
 
-  // Waits for a child that has closed its end, and says how it ended.
+  // Waits for a child that has closed its end, and says how it ended. One that does not leave is killed.
   int reap() {
     int status = 0;
-    while (wait4(pid_, &status, 0, &usage_) < 0 && errno == EINTR) {
+    for (int looks = 0;; ++looks) {
+      if (looks == kMostLooks) {
+        stays_ = true;
+        kill(pid_, SIGKILL);
+      }
+      const pid_t got = wait4(pid_, &status, looks < kMostLooks ? WNOHANG : 0, &usage_);
+      if (got == pid_ || (got < 0 && errno != EINTR)) break;
+      if (got == 0) std::this_thread::sleep_for(std::chrono::milliseconds(looks < 10 ? 1 : 10));
     }
     pid_ = -1;
     return status;
   }
 
+  // It was waited for in vain: it neither says anything nor works.
+  bool stuck() const { return idle_looks_ >= kMostIdleLooks; }
+
+  bool stays() const { return stays_; }  // it had to be killed
+
   const rusage& usage() const { return usage_; }
 
  private:
   static Error system_error(const char* call) {
-    return Error{ErrorCode::internal,
+    const bool no_room = errno == ENOMEM || errno == EAGAIN;
+    return Error{no_room ? ErrorCode::limit : ErrorCode::internal,
                  std::string("Could not start overtet-tetgen (") + call + ": " + std::strerror(errno) + ")."};
+  }
+
+  // Looks are counted, not seconds: who stops the whole program for a while must find it as it was.
+  bool is_stuck() {
+    const long ticks = processor_ticks();
+    idle_looks_ = ticks == ticks_ ? idle_looks_ + 1 : 0;
+    ticks_ = ticks;
+    return stuck();
+  }
+
+  // That the child has used so far.
+  long processor_ticks() const {
+    std::ifstream in("/proc/" + std::to_string(pid_) + "/stat");
+    const std::string text((std::istreambuf_iterator<char>(in)), {});
+    long user = 0, system = 0;
+    const auto name_end = text.rfind(')');
+    if (name_end == std::string::npos ||
+        std::sscanf(text.c_str() + name_end + 1, " %*c %*d %*d %*d %*d %*d %*u %*u %*u %*u %*u %ld %ld",
+                    &user, &system) != 2)
+      return -1;
+    return user + system;
   }
 
   int socket_ = -1;
   pid_t pid_ = -1;
+  int idle_looks_ = 0;
+  bool stays_ = false;
+  long ticks_ = 0;
   rusage usage_{};
 };
 
@@ -287,8 +332,11 @@ Result<bool> converse(Child& child, const Question& question, const RunContext& 
         {question.edges.data(), sizeof(question.edges[0]) * question.edges.size()}})
     if (auto sent = child.send(data, bytes, context); !sent.ok() || !sent.value()) return sent;
   if (auto got = receive(&reply, sizeof reply); !got.ok() || !got.value()) return got;
-  if (reply.magic != tetgen_wire::kMagic || reply.outcome != Outcome::done) return true;
-  if (reply.vertices < 0 || reply.tets < 0 || reply.facets < 0) return false;
+  if (reply.magic != tetgen_wire::kMagic) return false;
+  if (reply.outcome != Outcome::done) return true;
+  constexpr std::int64_t most = std::numeric_limits<Index>::max() / 4;
+  for (const std::int64_t n : {reply.vertices, reply.tets, reply.facets})
+    if (n < 0 || n > most) return false;
   const std::size_t bytes = 24 * static_cast<std::size_t>(reply.vertices) +
                             32 * static_cast<std::size_t>(reply.tets) +
                             20 * static_cast<std::size_t>(reply.facets);
@@ -330,8 +378,19 @@ std::optional<Error> refusal(const Reply& reply) {
     case Outcome::protocol:
       return Error{ErrorCode::internal,
                    "overtet-tetgen did not understand its input; is it of another version?"};
+    default:
+      return unsolved("TetGen's answer is no mesh.");
   }
   return std::nullopt;
+}
+
+// Whether it is a mesh at all that has come: numbers of things that exist, coordinates that are numbers.
+bool is_sound(const TetgenResult& r) {
+  const auto n = static_cast<Index>(r.V.rows()), tets = static_cast<Index>(r.T.rows());
+  const auto within = [](const auto& numbers, Index least, Index end) {
+    return numbers.size() == 0 || (numbers.minCoeff() >= least && numbers.maxCoeff() < end);
+  };
+  return r.V.allFinite() && within(r.T, 0, n) && within(r.neighbours, -1, tets) && within(r.facets, 0, n);
 }
 
 // Scales back, drops points that are not used, and looks whether the input's vertices are there. pre: no
@@ -408,8 +467,11 @@ Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options
   if (!talk.ok()) return talk.error();
   // The child's end of the socket is closed or all is said: it is leaving.
   const int status = child.reap();
+  if (child.stuck()) return unsolved("TetGen neither answered nor worked for a minute, and was ended.");
+  if (!talk.value() && child.stays()) return unsolved("TetGen's answer is no mesh.");
   if (!talk.value() || reply.magic != tetgen_wire::kMagic) return explain_end(status, context);
   if (auto error = refusal(reply)) return *error;
+  if (!is_sound(result)) return unsolved("TetGen's answer is no mesh.");
   if (auto error = take_vertices(plc, options, exponent, result)) return *error;
   if (auto error = take_facets(plc, options, result)) return *error;
   result.predicates = reply.predicates;

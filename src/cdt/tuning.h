@@ -16,6 +16,11 @@ constexpr double kMostPredicates = 3e7, kMostPredicatesPerFacet = 3e4;
 // Without a predicate, only lists are gone through: seconds, and one more for every kLarge facets.
 constexpr int kIdleSeconds = 10;
 
+// Looks, some 25 ms apart, at a child that neither answers nor works: a minute, in which any process that can
+// run gets the processor, however many others want it. And some 10 ms apart at one that has nothing more to
+// do: a second.
+constexpr int kMostIdleLooks = 2400, kMostLooks = 100;
+
 // --- Attempts (facet_recovery.cpp) ---
 
 // Orders of the points that are tried.

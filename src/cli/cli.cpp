@@ -10,6 +10,8 @@
 #include "overtet/version.h"
 #include "src/cli/arguments.h"
 #include "src/cli/commands.h"
+#include "src/cli/memory.h"
+#include "src/cli/shell_help.h"
 #include "src/cli/signals.h"
 #include "src/cli/tuning.h"
 
@@ -329,6 +331,21 @@ CLI::App* add_convert(CLI::App& app, ConvertCommand& convert) {
   return command;
 }
 
+CLI::App* add_view(CLI::App& app, ViewCommand& view) {
+  CLI::App* command =
+      app.add_subcommand("view", "Write a page that shows a tet mesh or a surface in any browser");
+  command->add_option("FILE", view.input, "Tet mesh (.mesh, .msh, .vtu, .node, .inp, .vtk) or surface")
+      ->required();
+  command->add_option("--output,-o", view.output, "The page: one .html file that needs nothing else")
+      ->required();
+  command->add_flag("--open", view.open, "Open the page in the browser when it is written");
+  command->footer(
+      "What overlaps is seen with \"Pull layers apart\". Surfaces are drawn with the curves in which they "
+      "cross "
+      "themselves.");
+  return command;
+}
+
 CLI::App* add_batch(CLI::App& app, BatchCommand& batch, CommonOptions& common) {
   CLI::App* command = app.add_subcommand(
       "batch", "Mesh many surfaces, each in a process of its own, and keep a journal that can be resumed");
@@ -423,6 +440,7 @@ int parse_and_run(int argc, char** argv) {
   VerifyCommand verify;
   ConvertCommand convert;
   BatchCommand batch;
+  ViewCommand view;
   CLI::App* mesh_app = add_mesh(app, mesh);
   add_cleaning(*mesh_app, mesh.clean);
   CLI::App* inspect_app = add_inspect(app, inspect);
@@ -433,9 +451,18 @@ int parse_and_run(int argc, char** argv) {
   CLI::App* verify_app = add_verify(app, verify);
   verify_app->add_flag("--strict", verify.clean.strict, "Refuse a surface that needs a clean-up");
   CLI::App* convert_app = add_convert(app, convert);
-  for (CLI::App* command : {mesh_app, inspect_app, repair_app, prepare_app, verify_app, convert_app})
+  CLI::App* view_app = add_view(app, view);
+  for (CLI::App* command :
+       {mesh_app, inspect_app, repair_app, prepare_app, verify_app, convert_app, view_app})
     add_common(*command, common);
   CLI::App* batch_app = add_batch(app, batch, common);
+  std::string manual_command, shell;
+  CLI::App* manual_app = app.add_subcommand("manual", "Print a man page: of a command, or of the program");
+  manual_app->add_option("COMMAND", manual_command, "A command");
+  CLI::App* completion_app = app.add_subcommand("completion", "Print a script that completes command lines");
+  completion_app->add_option("SHELL", shell, "bash, zsh or fish")
+      ->required()
+      ->check(CLI::IsMember({"bash", "zsh", "fish"}));
 
   std::vector<std::string> given(argv + 1, argv + argc);
   batch.mesh_options = words_for_mesh(given);
@@ -457,7 +484,6 @@ int parse_and_run(int argc, char** argv) {
   }
   Terminal terminal(common.quiet ? LogLevel::error : level_named(common.log_level),
                     common.quiet ? Terminal::Talk::errors_only : Terminal::Talk::all);
-  install_signal_handlers();
   if (*mesh_app) return run(mesh, common, terminal);
   if (*inspect_app) return run(inspect, common, terminal);
   if (*repair_app) return run(repair, common, terminal);
@@ -470,6 +496,14 @@ int parse_and_run(int argc, char** argv) {
   }
   if (*convert_app) return run(convert, common, terminal);
   if (*batch_app) return run(batch, common, terminal);
+  if (*view_app) return run(view, common, terminal);
+  if (*manual_app || *completion_app) {
+    const Result<std::string> text =
+        *manual_app ? manual_of(app, manual_command) : completion_for(shell, app);
+    if (!text) return fail(terminal, text.error());
+    const bool printed = std::fputs(text.value().c_str(), stdout) >= 0 && std::fflush(stdout) == 0;
+    return printed ? 0 : fail(terminal, {ErrorCode::io, "Cannot write standard output."});
+  }
   return run(verify, common, terminal);
 }
 
@@ -503,22 +537,41 @@ std::string with_hint(const Error& error) {
 }
 
 int fail(Terminal& terminal, const Error& error) {
-  terminal.error(with_hint(error));
+  terminal.error(with_hint(explained(error)));
   return exit_code(error.code);
 }
 
-int run_command_line(int argc, char** argv) {
+int fail(Watchdog& watchdog, Terminal& terminal, const Error& error) {
+  watchdog.settle(error.code);
+  return fail(terminal, error);
+}
+
+namespace {
+
+// Says what the exception that is being handled means, and gives the exit code for it.
+int last_error() {
   try {
-    return parse_and_run(argc, argv);
-  } catch (const std::bad_alloc&) {
-    std::fputs("overtet: There is not enough memory.\n", stderr);
-    return static_cast<int>(ErrorCode::limit);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "overtet: Internal error, please report it: %s.\n", e.what());
+    const Error error = explained(caught_error());
+    std::fprintf(stderr, "overtet: %s\n", with_hint(error).c_str());
+    return exit_code(error.code);
   } catch (...) {
-    std::fputs("overtet: Internal error, please report it.\n", stderr);
+    end_for_memory("overtet: There is not enough memory.\n");
   }
-  return static_cast<int>(ErrorCode::internal);
+}
+
+}  // namespace
+
+int run_command_line(int argc, char** argv) {
+  install_memory_handlers();
+  int code = 0;
+  try {
+    install_signal_handlers();
+    code = parse_and_run(argc, argv);
+  } catch (...) {
+    code = last_error();
+  }
+  leaving();
+  return code;
 }
 
 }  // namespace overtet

@@ -17,24 +17,23 @@ int run(const ConvertCommand& command, const CommonOptions& common, Terminal& te
   for (std::size_t i = 0; i < outputs.size(); ++i)
     if (Status s = probes[i].open(outputs[i]); !s) return fail(terminal, s.error());
   const RunContext context = common.context(terminal);
-  Watchdog watchdog(context.deadline, context.memory_limit_bytes,
-                    [&](const Error& error) { terminal.error(with_hint(error)); });
+  Watchdog watchdog(context, common.start, [&](const Error& error) { terminal.error(with_hint(error)); });
   context.report("read", 0);
   Result<LabelledTetMesh> read = Error{};
   if (command.from.empty()) {
     read = read_labelled_tets(command.input, context);
   } else {
     const Result<TetFormat> from = tet_format_named(command.from);
-    if (!from) return fail(terminal, from.error());
+    if (!from) return fail(watchdog, terminal, from.error());
     read = read_labelled_tets(command.input, from.value(), context);
   }
-  if (!read) return fail(terminal, read.error());
-  watchdog.dismiss();
-  if (interrupt_flag()) return fail(terminal, {ErrorCode::interrupted, "Interrupted; nothing was written."});
+  if (!read) return fail(watchdog, terminal, read.error());
   const auto& [mesh, attributes] = read.value();
   context.report("write", 0);
-  if (Status s = write_tets(command.output, mesh, attributes, {format.value(), command.order}, context); !s)
-    return fail(terminal, s.error());
+  if (Status s = write_tets(command.output, mesh, attributes, {format.value(), command.order},
+                            watchdog.writing(context));
+      !s)
+    return fail(watchdog, terminal, s.error());
   terminal.clear();
   terminal.say(command.output + ": " + std::to_string(mesh.V.rows()) + " vertices, " +
                std::to_string(mesh.T.rows()) + " tets, " + std::to_string(attributes.triangles.rows()) +

@@ -442,20 +442,19 @@ int run(const InspectCommand& command, const CommonOptions& common, Terminal& te
                   {ErrorCode::usage, "The curves would overwrite the input; choose another name for them."});
   }
   const RunContext context = common.context(terminal);
-  Watchdog watchdog(context.deadline, context.memory_limit_bytes,
-                    [&](const Error& error) { terminal.error(with_hint(error)); });
+  Watchdog watchdog(context, common.start, [&](const Error& error) { terminal.error(with_hint(error)); });
   const Result<InputSurface> loaded = load(command.input, command.clean, context, terminal);
-  if (!loaded) return fail(terminal, loaded.error());
+  if (!loaded) return fail(watchdog, terminal, loaded.error());
   const InputSurface& input = loaded.value();
   Result<SurfaceDiagnosis> found = diagnose(input.surface(), context);
-  if (!found) return fail(terminal, found.error());
+  if (!found) return fail(watchdog, terminal, found.error());
   SurfaceDiagnosis& diagnosis = found.value();
   explain_in_file(input, diagnosis);
-  if (Status s = find_open_components(input, diagnosis, context); !s) return fail(terminal, s.error());
-  watchdog.dismiss();
+  if (Status s = find_open_components(input, diagnosis, context); !s)
+    return fail(watchdog, terminal, s.error());
   if (!command.save_curves.empty())
     if (Status s = write_curves(command.save_curves, diagnosis.curves, format, context); !s)
-      return fail(terminal, s.error());
+      return fail(watchdog, terminal, s.error());
   terminal.clear();
   const Findings findings{input,
                           input.surface(),
@@ -468,7 +467,8 @@ int run(const InspectCommand& command, const CommonOptions& common, Terminal& te
     std::puts(to_json(findings).dump(2, ' ', false, Json::error_handler_t::replace).c_str());
   else
     print(findings);
-  if (std::fflush(stdout) != 0) return fail(terminal, {ErrorCode::io, "Cannot write to standard output."});
+  if (std::fflush(stdout) != 0)
+    return fail(watchdog, terminal, {ErrorCode::io, "Cannot write to standard output."});
   // A surface that cannot be used is bad input here too; one that no mesh exists for was inspected well. The
   // text has said why.
   const auto fails_on = [&](const char* what) {
@@ -476,7 +476,7 @@ int run(const InspectCommand& command, const CommonOptions& common, Terminal& te
   };
   if (diagnosis.verdict == Verdict::bad_input || (fails_on("unclean") && unclean(input.cleanup, diagnosis))) {
     if (command.json && diagnosis.verdict == Verdict::bad_input)
-      return fail(terminal, {ErrorCode::bad_input, diagnosis.message});
+      return fail(watchdog, terminal, {ErrorCode::bad_input, diagnosis.message});
     return static_cast<int>(ErrorCode::bad_input);
   }
   if (diagnosis.verdict == Verdict::infeasible && fails_on("infeasible"))

@@ -12,7 +12,9 @@
 #include "overtet/io.h"
 #include "overtet/meshing.h"
 #include "src/cli/commands.h"
+#include "src/cli/memory.h"
 #include "src/cli/signals.h"
+#include "src/cli/stage_trail.h"
 
 namespace overtet {
 
@@ -209,23 +211,18 @@ Result<std::vector<double>> sizes_of(const InputSurface& input, const std::strin
   return sizes;
 }
 
-// Reads, meshes and writes; `dismiss` is called when everything that takes long is over: a file that has its
-// name already is not taken back. What there is to tell is in the report, whatever happens.
+// Reads, meshes and writes. What there is to tell is in the report, whatever happens.
 Result<Meshing> make_mesh(const MeshCommand& command, TetFormat format, const RunContext& context,
-                          Terminal& terminal, const std::function<void()>& dismiss, Report& report) {
+                          Terminal& terminal, Watchdog& watchdog, Report& report) {
   context.report("read", 0);
   StageRecord read, labelled, written;
   const Result<InputSurface> loaded =
       timed("read", read, [&] { return load(command.input, command.clean, context, terminal); });
   report.stages = {read};
-  if (!loaded) {
-    dismiss();
-    return loaded.error();
-  }
+  if (!loaded) return loaded.error();
   const InputSurface& input = loaded.value();
   if (input.cleanup.problem) {
     tell(input, report);
-    dismiss();
     return *input.cleanup.problem;
   }
   MeshingOptions options = meshing_options(command);
@@ -233,7 +230,6 @@ Result<Meshing> make_mesh(const MeshCommand& command, TetFormat format, const Ru
     Result<std::vector<double>> sizes = sizes_of(input, command.sizes.file);
     if (!sizes) {
       tell(input, report);
-      dismiss();
       return sizes.error();
     }
     options.sizes.at_vertex = std::move(sizes).value();
@@ -241,10 +237,7 @@ Result<Meshing> make_mesh(const MeshCommand& command, TetFormat format, const Ru
   Result<Meshing> made = tetrahedralize(input.surface(), options, context, &report);
   report.stages.insert(report.stages.begin(), read);
   tell(input, report);
-  if (!made) {
-    dismiss();
-    return input.in_file(made.error());
-  }
+  if (!made) return input.in_file(made.error());
   if (interrupt_flag()) return Error{ErrorCode::interrupted, "Interrupted; nothing was written."};
   context.report("label", 0);
   const LabelledSurface of = surface_of(input, made.value());
@@ -255,7 +248,6 @@ Result<Meshing> make_mesh(const MeshCommand& command, TetFormat format, const Ru
     return mesh_attributes(of.surface, of.attributes, made.value().mesh, wanted, context);
   });
   report.stages.push_back(labelled);
-  dismiss();
   if (!attributes) return attributes.error();
   context.report("write", 0);
   const auto write = [&]() -> Status {
@@ -266,7 +258,7 @@ Result<Meshing> make_mesh(const MeshCommand& command, TetFormat format, const Ru
           !s)
         return s;
     return write_tets(command.output, made.value().mesh, attributes.value(), {format, command.order},
-                      context);
+                      watchdog.writing(context));
   };
   if (Status s = timed("write", written, write); !s) return s.error();
   report.stages.push_back(written);
@@ -325,16 +317,18 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
   if (!command.report.empty())
     if (Status s = report_probe.open(command.report); !s) return fail(terminal, s.error());
 
-  const RunContext context = common.context(terminal);
+  StageTrail trail;
+  const RunContext context = trail.follow(common.context(terminal));
   const std::vector<Figure> options = options_of(command, common, format.value());
   const auto seconds = [&] {
     return std::chrono::duration<double>(RunContext::Clock::now() - common.start).count();
   };
-  Watchdog watchdog(context.deadline, context.memory_limit_bytes, [&](const Error& error) {
+  Watchdog watchdog(context, common.start, [&](const Error& error) {
     terminal.error(with_hint(error));
-    if (error.code == ErrorCode::interrupted) return;
-    Report late;  // what the stages were doing is theirs; this thread only knows the options
+    if (error.code == ErrorCode::interrupted || command.report.empty()) return;
+    Report late;  // what the stages have found is theirs
     late.options = options;
+    late.stages = trail.records();
     late.status = status_of(error.code);
     late.message = with_hint(error);
     late.seconds = seconds();
@@ -342,8 +336,10 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
   });
 
   Report report;
-  const Result<Meshing> made = make_mesh(
-      command, format.value(), context, terminal, [&] { watchdog.dismiss(); }, report);
+  Result<Meshing> made =
+      caught([&] { return make_mesh(command, format.value(), context, terminal, watchdog, report); });
+  if (!made) made = explained(made.error());
+  if (!made) watchdog.settle(made.error().code);
   report.options = options;
   report.seconds = seconds();
   if (!made) report.status = status_of(made.error().code);

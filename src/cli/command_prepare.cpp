@@ -8,6 +8,7 @@
 #include "overtet/prepare.h"
 #include "overtet/version.h"
 #include "src/cli/commands.h"
+#include "src/cli/memory.h"
 #include "src/cli/signals.h"
 
 namespace overtet {
@@ -82,12 +83,12 @@ Result<Prepared> prepared(const PrepareCommand& command, SurfaceFormat format, c
   const Cleanup& result = out.preparation.result;
   if (const std::string done = result.summary(); !done.empty()) terminal.say(done);
   for (const PrepareRecord& step : out.preparation.steps) terminal.say(step.message);
-  watchdog.dismiss();
   if (result.surface.F.rows() == 0)
     return Error{ErrorCode::bad_input, "No face is left, and nothing was written."};
-  if (interrupt_flag()) return Error{ErrorCode::interrupted, "Interrupted; nothing was written."};
   const SurfaceAttributes attributes = attributes_of(out);
-  if (Status s = write_surface(command.output, result.surface, format, context, &attributes.faces); !s)
+  if (Status s =
+          write_surface(command.output, result.surface, format, watchdog.writing(context), &attributes.faces);
+      !s)
     return s.error();
   if (!command.save_map.empty())
     if (Status s = write_text(command.save_map, map_text(out)); !s) return s.error();
@@ -183,17 +184,24 @@ int run(const PrepareCommand& command, const CommonOptions& common, Terminal& te
   OutputAndReport probes;
   if (Status s = probes.open(command.output, command.report); !s) return fail(terminal, s.error());
   const RunContext context = common.context(terminal);
-  Watchdog watchdog(context.deadline, context.memory_limit_bytes,
-                    [&](const Error& error) { terminal.error(with_hint(error)); });
-  const Result<Prepared> result = prepared(command, format.value(), context, terminal, watchdog);
+  const auto write_report = [&](const Result<Prepared>& of, const std::string& message) {
+    const Json report = report_of(command, common, of, message);
+    return write_text(command.report, report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  };
+  Watchdog watchdog(context, common.start, [&](const Error& error) {
+    terminal.error(with_hint(error));
+    if (error.code == ErrorCode::interrupted || command.report.empty()) return;
+    (void)write_report(error, with_hint(error)).ok();
+  });
+  Result<Prepared> result =
+      caught([&] { return prepared(command, format.value(), context, terminal, watchdog); });
+  if (!result) result = explained(result.error());
+  if (!result) watchdog.settle(result.error().code);
   terminal.clear();
   const std::string message = result ? message_of(command, result.value()) : with_hint(result.error());
   const bool interrupted = !result && result.error().code == ErrorCode::interrupted;
   if (!command.report.empty() && !interrupted) {
-    const Json report = report_of(command, common, result, message);
-    if (Status s =
-            write_text(command.report, report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
-        !s) {
+    if (Status s = write_report(result, message); !s) {
       if (result) return fail(terminal, s.error());
       terminal.error(s.error().message);
     }

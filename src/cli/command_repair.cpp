@@ -3,7 +3,9 @@
 #include "overtet/io.h"
 #include "overtet/repair.h"
 #include "src/cli/commands.h"
+#include "src/cli/memory.h"
 #include "src/cli/signals.h"
+#include "src/cli/stage_trail.h"
 
 namespace overtet {
 
@@ -33,11 +35,9 @@ Result<SurfaceRepair> repaired_surface(const RepairCommand& command, SurfaceForm
     repaired = repair_surface(input.surface(), options, context, &report);
   }
   tell(input, report);
-  watchdog.dismiss();
   if (!repaired) return input.in_file(repaired.error());
-  if (interrupt_flag()) return Error{ErrorCode::interrupted, "Interrupted; nothing was written."};
-  if (Status s =
-          write_surface(command.output, repaired.value().surface, format, context, &input.attributes.faces);
+  if (Status s = write_surface(command.output, repaired.value().surface, format, watchdog.writing(context),
+                               &input.attributes.faces);
       !s)
     return s.error();
   return repaired;
@@ -78,12 +78,21 @@ int run(const RepairCommand& command, const CommonOptions& common, Terminal& ter
                            "The output and the report have the same name; choose another for one of them."});
   OutputAndReport probes;
   if (Status s = probes.open(command.output, command.report); !s) return fail(terminal, s.error());
-  const RunContext context = common.context(terminal);
-  Watchdog watchdog(context.deadline, context.memory_limit_bytes,
-                    [&](const Error& error) { terminal.error(with_hint(error)); });
+  StageTrail trail;
+  const RunContext context = trail.follow(common.context(terminal));
+  Watchdog watchdog(context, common.start, [&](const Error& error) {
+    terminal.error(with_hint(error));
+    if (error.code == ErrorCode::interrupted || command.report.empty()) return;
+    Report late;
+    late.stages = trail.records();
+    finish(late, command, common, error);
+    (void)write_text(command.report, to_json(late)).ok();
+  });
   Report report;
-  const Result<SurfaceRepair> repaired =
-      repaired_surface(command, format.value(), context, terminal, watchdog, report);
+  Result<SurfaceRepair> repaired =
+      caught([&] { return repaired_surface(command, format.value(), context, terminal, watchdog, report); });
+  if (!repaired) repaired = explained(repaired.error());
+  if (!repaired) watchdog.settle(repaired.error().code);
   finish(report, command, common, repaired);
   terminal.clear();
   const bool interrupted = !repaired && repaired.error().code == ErrorCode::interrupted;

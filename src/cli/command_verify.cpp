@@ -12,20 +12,19 @@ namespace overtet {
 
 int run(const VerifyCommand& command, const CommonOptions& common, Terminal& terminal) {
   const RunContext context = common.context(terminal);
-  Watchdog watchdog(context.deadline, context.memory_limit_bytes,
-                    [&](const Error& error) { terminal.error(with_hint(error)); });
+  Watchdog watchdog(context, common.start, [&](const Error& error) { terminal.error(with_hint(error)); });
   const Result<InputSurface> loaded = load(command.surface, command.clean, context, terminal);
-  if (!loaded) return fail(terminal, loaded.error());
+  if (!loaded) return fail(watchdog, terminal, loaded.error());
   const InputSurface& input = loaded.value();
   Result<LabelledTetMesh> read = Error{};
   if (command.format.empty()) {
     read = read_labelled_tets(command.mesh, context);
   } else {
     const Result<TetFormat> format = tet_format_named(command.format);
-    if (!format) return fail(terminal, format.error());
+    if (!format) return fail(watchdog, terminal, format.error());
     read = read_labelled_tets(command.mesh, format.value(), context);
   }
-  if (!read) return fail(terminal, read.error());
+  if (!read) return fail(watchdog, terminal, read.error());
   const TetMesh& mesh = read.value().mesh;
   VerifyOptions options;
   options.allow_branches = command.allow_branches;
@@ -33,14 +32,13 @@ int run(const VerifyCommand& command, const CommonOptions& common, Terminal& ter
   options.max_move = command.max_move / 100;
   VerifyResult r = verify(input.surface(), mesh, options, context);
   if (!r.complete)
-    return fail(terminal, context.stop().value_or(Error{ErrorCode::interrupted, "Interrupted."}));
+    return fail(watchdog, terminal, context.stop().value_or(Error{ErrorCode::interrupted, "Interrupted."}));
   for (VerifyFailure& f :
        verify_attributes(input.surface(), input.attributes, read.value(), options.geometry_only))
     r.failures.push_back(std::move(f));
   const auto triangles = static_cast<long long>(read.value().attributes.triangles.rows());
   const bool readable = !r.fails(Rule::R1);
   const TetQuality q = readable ? tet_quality(mesh, context) : TetQuality{};
-  watchdog.dismiss();
   if (command.json) {
     nlohmann::ordered_json j = {{"ok", r.ok()},
                                 {"surface_vertices", r.surface_vertices},
@@ -84,9 +82,10 @@ int run(const VerifyCommand& command, const CommonOptions& common, Terminal& ter
     for (const VerifyFailure& f : r.failures) std::printf("FAILED    %s\n", f.message.c_str());
     std::puts(r.ok() ? "accepted" : "rejected");
   }
-  if (std::fflush(stdout) != 0) return fail(terminal, {ErrorCode::io, "Cannot write to standard output."});
+  if (std::fflush(stdout) != 0)
+    return fail(watchdog, terminal, {ErrorCode::io, "Cannot write to standard output."});
   if (r.ok()) return 0;
-  return fail(terminal, {ErrorCode::unsolved, "The tet mesh is wrong: " + r.failures[0].message});
+  return fail(watchdog, terminal, {ErrorCode::unsolved, "The tet mesh is wrong: " + r.failures[0].message});
 }
 
 }  // namespace overtet

@@ -14,6 +14,8 @@
 
 namespace overtet {
 
+class Watchdog;
+
 struct CommonOptions {
   int threads = 0;          // 0: all cores
   double time_limit = 0;    // seconds; 0: none
@@ -89,6 +91,11 @@ struct BatchCommand {
   std::vector<std::string> mesh_options;  // what stands after --
 };
 
+struct ViewCommand {
+  std::string input, output;
+  bool open = false;  // in the browser
+};
+
 // Each returns the exit code.
 int run(const MeshCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const InspectCommand& command, const CommonOptions& common, Terminal& terminal);
@@ -96,6 +103,7 @@ int run(const RepairCommand& command, const CommonOptions& common, Terminal& ter
 int run(const PrepareCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const VerifyCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const ConvertCommand& command, const CommonOptions& common, Terminal& terminal);
+int run(const ViewCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const BatchCommand& command, const CommonOptions& common, Terminal& terminal);
 
 // The format that is asked for by name, else that of the ending; says so where they differ.
@@ -113,7 +121,8 @@ struct OutputAndReport {
 // The error's sentence, with the option that raises the limit where it is about one.
 std::string with_hint(const Error& error);
 
-// Says what went wrong and gives the exit code for it.
+// Says what went wrong and gives the exit code for it. With a watchdog: unless that has said so.
 int fail(Terminal& terminal, const Error& error);
+int fail(Watchdog& watchdog, Terminal& terminal, const Error& error);
 
 }  // namespace overtet

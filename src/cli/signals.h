@@ -1,6 +1,8 @@
 // Ctrl-C and the other polite ways of ending a program, as a flag that the run looks at.
 #pragma once
 
+#include <sys/resource.h>
+
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -10,6 +12,8 @@
 #include <thread>
 
 #include "overtet/result.h"
+#include "overtet/run_context.h"
+#include "src/cli/tuning.h"
 
 namespace overtet {
 
@@ -23,21 +27,52 @@ void install_signal_handlers();
 // (130 SIGINT, 143 SIGTERM, 129 SIGHUP); else the code's own number.
 int exit_code(ErrorCode code);
 
-// Ends the program where a run does not notice in time that it should stop (a long call into a library).
-// Nothing is lost by that: outputs have no name before they are complete, child processes end with us.
+// An allocation that failed near the memory limit did so for that.
+Error explained(Error error);
+
+// Ends the program now; removes what it has not finished writing.
+[[noreturn]] void end_at_once(int code);
+
+// Ends the program where a run does not notice in time that it should stop (a long call into a library, a
+// write to a slow disk): so that time and memory stay within a few per cent of their limits, and signals end
+// it soon. Nothing is lost by that: outputs have no name before they are complete, child processes end with
+// us. It holds from its making to the moment when the first output gets its name, or until it is destroyed.
+// More than 12 members: what it watches, since when, and how that ends.
 class Watchdog {
  public:
   using Clock = std::chrono::steady_clock;
-  // memory_limit: bytes of the whole process tree, 0: none. `late` is called once, just before _exit.
-  Watchdog(Clock::time_point deadline, std::size_t memory_limit, std::function<void(const Error&)> late);
-  ~Watchdog() { dismiss(); }
-  void dismiss();  // from here on nothing is ended any more; waits for a `late` that has begun
+  // start: from when on the time counts. `late` is called once, just before the program ends.
+  Watchdog(const RunContext& context, Clock::time_point start, std::function<void(const Error&)> late);
+  ~Watchdog();
+  Watchdog(const Watchdog&) = delete;
+  Watchdog& operator=(const Watchdog&) = delete;
+
+  // The same, for who writes the outputs: they get their names unless the time is up or somebody interrupts.
+  RunContext writing(RunContext context);
+  // The run has failed, and what is to be said and reported of that follows: no message of ours any more, and
+  // the code with which the program ends if that takes too long.
+  void settle(ErrorCode code);
 
  private:
+  enum class State { running, ending, settled, finished };
+  bool leave(State to);  // never returns where the program is being ended
+  bool finish();         // from here on nothing is ended any more, unless that is too late
+  void end(const Error& error);
+  bool is_full(std::size_t used);
+  void brake(std::size_t used);
+  std::size_t most_memory() const { return memory_limit_ + memory_limit_ / kMemoryOver; }
   void watch();
+
   Clock::time_point deadline_;
+  Clock::duration grace_{0};
   std::size_t memory_limit_;
   std::function<void(const Error&)> late_;
+  std::atomic<State> state_{State::running};
+  std::atomic<int> settled_{0};
+  std::atomic<Clock::rep> settled_at_{0};
+  Clock::time_point full_since_ = Clock::time_point::max();
+  bool braked_ = false;
+  rlim_t unbraked_ = 0;
   std::mutex mutex_;
   std::condition_variable wake_;
   bool dismissed_ = false;

@@ -161,7 +161,8 @@ class Study {
     SharedPoint out;
     out.room = *room;
     int sum = 0;
-    for (const auto& [v, star] : stars) {
+    for (const auto& [vertex, star] : stars) {
+      const Index v = vertex;  // clang 14 takes no structured binding into a lambda
       const int layers = star->needed(
           std::max(0, *room - sum), [&](Index end) { return most_turns(v, end); }, steps);
       if (layers == 0 && *room >= 0) continue;

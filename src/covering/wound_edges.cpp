@@ -360,7 +360,8 @@ class Assigner {
     tree.touched.push_back(start);
     queue.emplace(0, start);
     while (!queue.empty() && left > 0) {
-      const auto [d, v] = queue.top();
+      const double d = queue.top().first;
+      const Index v = queue.top().second;
       queue.pop();
       if (d > tree.distance[v]) continue;
       const bool is_target = hinge_at_[v] >= 0 && targets.count(v);

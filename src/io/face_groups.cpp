@@ -6,6 +6,8 @@
 #include <map>
 #include <utility>
 
+#include "src/io/text.h"
+
 namespace overtet::io_detail {
 
 void FaceGroups::begin(Kind kind, TextCursor& line, std::size_t next_face) {
@@ -20,23 +22,25 @@ void FaceGroups::begin(Kind kind, TextCursor& line, std::size_t next_face) {
 void FaceGroups::begin(Kind kind, std::string name, std::size_t next_face) {
   seen_[kind] = true;
   if (changes_.empty() || changes_.back().face != next_face)
-    changes_.push_back({next_face, changes_.empty() ? std::array<std::string, 3>{} : changes_.back().names});
-  changes_.back().names[kind] = std::move(name);
+    changes_.push_back({next_face, changes_.empty() ? Names{} : changes_.back().names});
+  const auto [at, is_new] = number_of_.try_emplace(one_line(name), names_.size());
+  if (is_new) names_.push_back(at->first);
+  changes_.back().names[kind] = at->second;
 }
 
 void FaceGroups::finish(std::size_t faces, SurfaceAttributes& out) const {
   if (changes_.empty()) return;
-  std::map<std::array<std::string, 3>, Index> labels;
-  std::map<std::string, Index> solids;
-  std::vector<std::array<std::string, 3>> met;
+  std::map<Names, Index> labels;
+  std::map<std::size_t, Index> solids;
+  std::vector<Names> met;
   out.faces.of.resize(faces);
   if (seen_[solid]) out.solids.of.resize(faces);
   std::size_t at = 0;
-  const std::array<std::string, 3> none;
+  const Names none{};
   for (std::size_t f = 0; f < faces;) {
     while (at < changes_.size() && changes_[at].face <= f) ++at;
     const std::size_t end = at < changes_.size() ? std::min(changes_[at].face, faces) : faces;
-    const std::array<std::string, 3>& names = at == 0 ? none : changes_[at - 1].names;
+    const Names& names = at == 0 ? none : changes_[at - 1].names;
     const auto [label, is_new] = labels.try_emplace(names, static_cast<Index>(labels.size() + 1));
     if (is_new) met.push_back(names);
     const auto own = solids.try_emplace(names[solid], static_cast<Index>(solids.size() + 1)).first;
@@ -47,13 +51,14 @@ void FaceGroups::finish(std::size_t faces, SurfaceAttributes& out) const {
   }
   for (std::size_t i = 0; i < met.size(); ++i) {
     std::string name;
-    for (const std::string& part : met[i])
-      if (!part.empty() && name.find(part) == std::string::npos) name += (name.empty() ? "" : ":") + part;
+    for (const std::size_t part : met[i])
+      if (!names_[part].empty() && name.find(names_[part]) == std::string::npos)
+        name += (name.empty() ? "" : ":") + names_[part];
     if (!name.empty()) out.faces.names[static_cast<Index>(i + 1)] = name;
   }
   if (seen_[solid])
     for (const auto& [name, number] : solids)
-      if (!name.empty()) out.solids.names[number] = name;
+      if (name != 0) out.solids.names[number] = names_[name];
 }
 
 void Extras::read(TextCursor& line, std::size_t item) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,11 +25,15 @@ class FaceGroups {
   void finish(std::size_t faces, SurfaceAttributes& out) const;
 
  private:
+  // Names by their numbers, so that many changes of one do not copy the others.
+  using Names = std::array<std::size_t, 3>;
   struct Change {
     std::size_t face;
-    std::array<std::string, 3> names;
+    Names names;
   };
   std::vector<Change> changes_;
+  std::map<std::string, std::size_t> number_of_ = {{"", 0}};
+  std::vector<std::string> names_ = {""};
   std::array<bool, 3> seen_ = {};
 };
 

@@ -7,6 +7,7 @@
 
 #include <cerrno>
 #include <chrono>
+#include <climits>
 #include <cstdlib>
 #include <cstring>
 #include <mutex>
@@ -28,9 +29,11 @@ std::string directory_of(const std::string& path) {
   return slash == 0 ? "/" : path.substr(0, slash);
 }
 
-std::string name_of(const std::string& path) {
+// What the names of its hidden neighbours begin with: with what follows not longer than the longest of names.
+std::string neighbour_of(const std::string& path) {
   const auto slash = path.rfind('/');
-  return slash == std::string::npos ? path : path.substr(slash + 1);
+  const std::string name = slash == std::string::npos ? path : path.substr(slash + 1);
+  return directory_of(path) + "/." + name.substr(0, NAME_MAX - kNameEnding);
 }
 
 // The permissions that a plain open(O_CREAT) would give.
@@ -40,31 +43,31 @@ mode_t default_mode() {
   return 0666 & ~mask;
 }
 
-// Writing to a pipe that nothing reads from any more sends a signal that ends the program, unless that has
-// arranged for it. It is held back from the thread that writes, and taken away.
-class NoPipeSignal {
+// Writing to a pipe that nothing reads from any more, or more than `ulimit -f` allows, sends a signal that
+// ends the program, unless that has arranged for it. It is held back from the thread that writes, and taken
+// away.
+class NoWriteSignals {
  public:
-  NoPipeSignal() {
-    sigemptyset(&pipe_);
-    sigaddset(&pipe_, SIGPIPE);
+  NoWriteSignals() {
     sigset_t pending;
     sigpending(&pending);
-    was_pending_ = sigismember(&pending, SIGPIPE) == 1;
-    pthread_sigmask(SIG_BLOCK, &pipe_, &before_);
+    sigemptyset(&ours_);
+    for (const int signal : {SIGPIPE, SIGXFSZ})
+      if (sigismember(&pending, signal) != 1) sigaddset(&ours_, signal);
+    pthread_sigmask(SIG_BLOCK, &ours_, &before_);
   }
-  ~NoPipeSignal() {
+  ~NoWriteSignals() {
     constexpr timespec at_once{};
-    if (!was_pending_)
-      while (sigtimedwait(&pipe_, nullptr, &at_once) < 0 && errno == EINTR) {
-      }
+    int taken;
+    do taken = sigtimedwait(&ours_, nullptr, &at_once);
+    while (taken > 0 || (taken < 0 && errno == EINTR));
     pthread_sigmask(SIG_SETMASK, &before_, nullptr);
   }
-  NoPipeSignal(const NoPipeSignal&) = delete;
-  NoPipeSignal& operator=(const NoPipeSignal&) = delete;
+  NoWriteSignals(const NoWriteSignals&) = delete;
+  NoWriteSignals& operator=(const NoWriteSignals&) = delete;
 
  private:
-  sigset_t pipe_, before_;
-  bool was_pending_ = false;
+  sigset_t ours_, before_;
 };
 
 // The hidden neighbours of all files that are being written. Never destroyed: threads may outlive what is
@@ -96,6 +99,14 @@ void remove_unfinished_files() {
 
 namespace {
 
+// Whether a file that was `read` bytes long is not the one that it was before: others write to it. (What the
+// kernel makes up has no size, and what it says of times is made up, too.)
+bool differs(const struct stat& before, const struct stat& after, std::size_t read) {
+  if (before.st_size == 0 && after.st_size == 0) return false;
+  return after.st_size != before.st_size || static_cast<std::size_t>(after.st_size) != read ||
+         after.st_mtim.tv_sec != before.st_mtim.tv_sec || after.st_mtim.tv_nsec != before.st_mtim.tv_nsec;
+}
+
 Result<std::string> read_stored(const std::string& path) {
   const auto fail = [&](int code) {
     const std::string what = path == "-" ? "standard input" : path;
@@ -109,6 +120,7 @@ Result<std::string> read_stored(const std::string& path) {
     ::close(fd);
     return fail(code);
   }
+  const struct stat before = info;
   std::string bytes;
   // One byte more than expected, so that the end of the file is seen by the same loop as a pipe's end.
   bytes.resize(S_ISREG(info.st_mode) ? static_cast<std::size_t>(info.st_size) + 1 : 1 << 16);
@@ -125,7 +137,12 @@ Result<std::string> read_stored(const std::string& path) {
     if (got == 0) break;
     used += static_cast<std::size_t>(got);
   }
+  const bool changed = S_ISREG(before.st_mode) && fstat(fd, &info) == 0 && differs(before, info, used);
   ::close(fd);
+  if (changed)
+    return Error{ErrorCode::io,
+                 io_detail::file_name(path) +
+                     " was changed while it was read; try again when whoever writes it is done."};
   bytes.resize(used);
   return bytes;
 }
@@ -170,6 +187,13 @@ Error AtomicFile::error(const char* what, int code) const {
   return Error{ErrorCode::io, "Cannot " + std::string(what) + " " + path_ + ": " + std::strerror(code) + "."};
 }
 
+Error AtomicFile::error_of_name(int code) const {
+  const std::string directory = directory_of(target_);
+  if (code != ENOENT || file_exists(directory)) return error("write", code);
+  return Error{ErrorCode::io,
+               "Cannot write " + path_ + ": the folder " + directory + " has gone since the run began."};
+}
+
 Status AtomicFile::open(const std::string& path) {
   abandon();
   path_ = path;
@@ -198,7 +222,7 @@ Status AtomicFile::open(const std::string& path) {
   if (fd_ < 0 && !file_exists(directory))
     return Error{ErrorCode::io, "Cannot write " + path_ + ": there is no folder " + directory + "."};
   if (fd_ < 0) {
-    std::string name = directory + "/." + name_of(target_) + ".XXXXXX";
+    std::string name = neighbour_of(target_) + ".XXXXXX";
     fd_ = ::mkostemp(name.data(), O_CLOEXEC);
     if (fd_ < 0) return error("write", errno);
     temporary_ = name;
@@ -242,8 +266,7 @@ Status AtomicFile::end_compression() {
 }
 
 Status AtomicFile::write_plain(std::string_view bytes) {
-  std::optional<NoPipeSignal> no_signal;
-  if (direct_) no_signal.emplace();
+  const NoWriteSignals no_signals;
   while (!bytes.empty()) {
     const ssize_t done = ::write(fd_, bytes.data(), bytes.size());
     if (done < 0 && errno == EINTR) continue;
@@ -267,8 +290,7 @@ Status AtomicFile::commit() {
     if (temporary_.empty()) {
       // linkat cannot replace a file, so the name goes through a neighbour that exists for an instant.
       const std::string self = "/proc/self/fd/" + std::to_string(fd_);
-      const std::string stem =
-          directory_of(target_) + "/." + name_of(target_) + "." + std::to_string(::getpid()) + ".";
+      const std::string stem = neighbour_of(target_) + "." + std::to_string(::getpid()) + ".";
       for (int attempt = 0; attempt < 100; ++attempt) {
         const std::string name = stem + std::to_string(attempt);
         if (::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0) {
@@ -276,11 +298,11 @@ Status AtomicFile::commit() {
           remember(temporary_);
           break;
         }
-        if (errno != EEXIST) return error("write", errno);
+        if (errno != EEXIST) return error_of_name(errno);
       }
       if (temporary_.empty()) return error("write", EEXIST);
     }
-    if (::rename(temporary_.c_str(), target_.c_str()) != 0) return error("write", errno);
+    if (::rename(temporary_.c_str(), target_.c_str()) != 0) return error_of_name(errno);
     forget(temporary_);
     temporary_.clear();
   }
@@ -298,9 +320,12 @@ Status OutputProbe::open(const std::string& path) {
   return opened;
 }
 
-void TextWriter::flush() {
-  if (status_.ok()) status_ = file_.write(buffer_.bytes_);
-  buffer_.bytes_.clear();
+void TextWriter::pass_on(TextBuffer& block) {
+  if (memory_)
+    memory_->append(block.bytes_);
+  else if (status_.ok())
+    status_ = file_->write(block.bytes_);
+  block.bytes_.clear();
 }
 
 Status TextWriter::finish() {

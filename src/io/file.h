@@ -23,7 +23,8 @@
 namespace overtet {
 
 // The bytes of a file, or of standard input ("-"); what is compressed by gzip is unpacked. Directories and
-// unreadable files are ErrorCode::io; damaged gzip files are ErrorCode::bad_input.
+// unreadable files are ErrorCode::io, and so are files that change while they are read; damaged gzip files
+// are ErrorCode::bad_input.
 Result<std::string> read_file(const std::string& path);
 
 bool file_exists(const std::string& path);
@@ -53,6 +54,7 @@ class AtomicFile {
   Status write_plain(std::string_view bytes);
   Status end_compression();
   Error error(const char* what, int code) const;
+  Error error_of_name(int code) const;
   void abandon();
 
   std::string path_;       // as the user wrote it
@@ -96,10 +98,11 @@ class TextBuffer {
   std::string bytes_;
 };
 
-// Text for an AtomicFile.
+// Text for an AtomicFile, or for a string.
 class TextWriter {
  public:
-  explicit TextWriter(AtomicFile& file) : file_(file) {}
+  explicit TextWriter(AtomicFile& file) : file_(&file) {}
+  explicit TextWriter(std::string& memory) : memory_(&memory) {}
 
   TextWriter& text(std::string_view s) {
     buffer_.text(s);
@@ -126,8 +129,7 @@ class TextWriter {
                      for (std::int64_t i = begin; i < end; ++i) line(block, done + i);
                    });
       for (TextBuffer& block : blocks) {
-        if (status_.ok()) status_ = file_.write(block.bytes_);
-        block.bytes_.clear();
+        pass_on(block);
       }
     }
     return *this;
@@ -146,9 +148,11 @@ class TextWriter {
     if (buffer_.bytes_.size() >= kBuffer) flush();
     return *this;
   }
-  void flush();
+  void flush() { pass_on(buffer_); }
+  void pass_on(TextBuffer& block);
 
-  AtomicFile& file_;
+  AtomicFile* file_ = nullptr;
+  std::string* memory_ = nullptr;
   TextBuffer buffer_;
   Status status_ = success();
 };

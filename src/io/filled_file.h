@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "overtet/run_context.h"
 #include "src/io/file.h"
 
 namespace overtet::io_detail {
@@ -16,11 +17,13 @@ Status fill(AtomicFile& file, const std::string& path, Write&& write) {
   return out.finish();
 }
 
-// The same, and gives the file its name.
+// The same, and gives the file its name, if the context lets it.
 template <class Write>
-Status write_file(const std::string& path, Write&& write) {
+Status write_file(const std::string& path, const RunContext& context, Write&& write) {
   AtomicFile file;
   if (Status s = fill(file, path, write); !s) return s;
+  if (Status s = file.sync(); !s) return s;
+  if (auto why = context.no_name()) return *why;
   return file.commit();
 }
 

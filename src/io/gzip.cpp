@@ -13,6 +13,10 @@ namespace {
 
 int gzip_window() { return 16 + MAX_WBITS; }  // zlib's way of asking for gzip's format
 
+// Where what comes out is put first: not larger than it must be for small files. (What does not shrink takes
+// a few bytes more when it is compressed.)
+std::string block_for(std::size_t bytes) { return std::string(std::min(2 * bytes + 64, kBuffer), '\0'); }
+
 // zlib takes and gives 32-bit counts.
 uInt portion(std::size_t bytes) { return static_cast<uInt>(std::min<std::size_t>(bytes, kBuffer)); }
 
@@ -24,7 +28,7 @@ bool is_gzip(std::string_view bytes) { return bytes.substr(0, 3) == "\x1f\x8b\x0
 
 std::optional<std::string> gunzip(std::string_view bytes) {
   std::string out;
-  std::string block(kBuffer, '\0');
+  std::string block = block_for(4 * bytes.size());
   while (is_gzip(bytes)) {  // what follows the last member is padding
     z_stream z{};
     if (inflateInit2(&z, gzip_window()) != Z_OK) throw std::bad_alloc();
@@ -69,7 +73,7 @@ Gzip::Gzip() : stream_(std::make_unique<Stream>()) {
 Gzip::~Gzip() { deflateEnd(&stream_->z); }
 
 std::string Gzip::add(std::string_view bytes, bool last) {
-  std::string out, block(kBuffer, '\0');
+  std::string out, block = block_for(bytes.size());
   z_stream& z = stream_->z;
   for (;;) {
     z.next_in = pointer(bytes.data());

@@ -46,6 +46,13 @@ void leave_out_unused(MeshParts& p, const Kept& k) {
     for (Index& v : *list) v = k.new_of_old[static_cast<std::size_t>(v)];
 }
 
+Status check_finite(std::string_view name, const MeshParts& p) {
+  for (std::size_t i = 0; i < p.xyz.size(); ++i)
+    if (!std::isfinite(p.xyz[i]))
+      return malformed(name, "a coordinate of vertex " + std::to_string(i / 3) + " is not a finite number");
+  return success();
+}
+
 template <class Matrix>
 Matrix matrix_of(const std::vector<typename Matrix::Scalar>& values) {
   constexpr int width = Matrix::ColsAtCompileTime;
@@ -86,6 +93,7 @@ std::string_view mesh_kind(std::string_view bytes) {
 
 Result<LabelledTetMesh> tet_mesh_of(std::string_view name, MeshParts&& p) {
   if (p.xyz.empty() || p.tets.empty()) return malformed(name, "the file has no vertices or no tets");
+  if (Status s = check_finite(name, p); !s) return s.error();
   keep_triangles(p);
   if (p.second_order) leave_out_unused(p, kept(p.xyz.size() / 3, {&p.tets, &p.corners}));
   LabelledTetMesh out;
@@ -117,9 +125,7 @@ Result<Polygons> polygons_of(std::string_view name, MeshParts&& p, SurfaceReadIn
   info.format = p.format;
   if (p.sizes.empty()) return malformed(name, "the file has no triangles");
   p.tets.clear();
-  for (std::size_t i = 0; i < p.xyz.size(); ++i)
-    if (!std::isfinite(p.xyz[i]))
-      return malformed(name, "a coordinate of vertex " + std::to_string(i / 3) + " is not a finite number");
+  if (Status s = check_finite(name, p); !s) return s.error();
   Polygons out;
   const Kept k = kept(p.xyz.size() / 3, {&p.corners});
   if (k.old_of_new.size() != k.new_of_old.size()) {

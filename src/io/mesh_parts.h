@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,6 +38,14 @@ Result<MeshParts> parse_vtk(std::string_view name, std::string_view bytes);
 Result<MeshParts> parse_abaqus(std::string_view name, std::string_view bytes);
 // Of the path without .node and .ele; gz: ".gz" where the files' names end so.
 Result<MeshParts> read_tetgen(const std::string& base, const std::string& gz);
+// One file after the other; `first`: the number of the first node.
+Status parse_tetgen_nodes(std::string_view name, std::string_view bytes, MeshParts& out, std::int64_t& first);
+Status parse_tetgen_tets(std::string_view name, std::string_view bytes, MeshParts& out, std::int64_t& first);
+Status parse_tetgen_faces(std::string_view name, std::string_view bytes, MeshParts& out, std::int64_t& first);
+// What read_labelled_tets() makes of the bytes of a file that is not TetGen's; without a format: as the file
+// begins.
+Result<LabelledTetMesh> parse_tets(std::string_view name, std::optional<TetFormat> format,
+                                   std::string_view bytes);
 
 // Which of them a file is, by what it begins with: "medit", "gmsh", "vtk_xml", "vtk", "abaqus", or "".
 std::string_view mesh_kind(std::string_view bytes);

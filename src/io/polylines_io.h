@@ -9,6 +9,7 @@
 
 #include "overtet/io.h"
 #include "overtet/result.h"
+#include "overtet/run_context.h"
 #include "overtet/types.h"
 
 namespace overtet {
@@ -31,6 +32,7 @@ struct Polylines {
 };
 
 // Atomic. Coordinates read back as the same doubles.
-Status write_polylines(const std::string& path, const Polylines& polylines, CurveFormat format);
+Status write_polylines(const std::string& path, const Polylines& polylines, CurveFormat format,
+                       const RunContext& context = {});
 
 }  // namespace overtet

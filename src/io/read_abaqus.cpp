@@ -37,9 +37,11 @@ bool numbered(std::string_view name, std::string_view prefix, Index& number) {
   name.remove_prefix(prefix.size());
   const bool minus = !name.empty() && (name[0] == 'M' || name[0] == 'm');
   if (minus) name.remove_prefix(1);
-  const auto [stop, code] = std::from_chars(name.data(), name.data() + name.size(), number);
-  if (minus) number = -number;
-  return code == std::errc() && (stop == name.data() + name.size() || *stop == '_');
+  Index digits = 0;
+  const auto [stop, code] = std::from_chars(name.data(), name.data() + name.size(), digits);
+  if (code != std::errc() || digits < 0 || (stop != name.data() + name.size() && *stop != '_')) return false;
+  number = minus ? -digits : digits;
+  return true;
 }
 
 // More than 12 members: what the lines of a file say, until all have been read.
@@ -95,7 +97,7 @@ class AbaqusReader {
       const auto [stop, code] = std::from_chars(rest.data(), rest.data() + rest.size(), number);
       if (code == std::errc() && stop != rest.data() + rest.size())
         (label ? parts_.labels : parts_.regions).names[number] =
-            rest.substr(static_cast<std::size_t>(stop + 1 - rest.data()));
+            one_line(rest.substr(static_cast<std::size_t>(stop + 1 - rest.data())));
     }
   }
 
@@ -111,7 +113,7 @@ class AbaqusReader {
         const auto [at, is_new] =
             set_regions_.try_emplace(std::string(set), static_cast<Index>(set_regions_.size() + 1));
         region_ = at->second;
-        if (is_new) parts_.regions.names[region_] = set;
+        if (is_new) parts_.regions.names[region_] = one_line(set);
       }
     } else if (keyword == "surface") {
       const std::string type = lower(parameter(line, "type"));
@@ -221,7 +223,7 @@ class AbaqusReader {
     }
     for (const Surface* s : others) {
       while (parts_.labels.names.contains(next_label)) ++next_label;
-      if (!s->faces.empty()) parts_.labels.names[next_label] = s->name;
+      if (!s->faces.empty()) parts_.labels.names[next_label] = one_line(s->name);
       for (const std::int64_t f : s->faces) label_of.try_emplace(f, next_label);
     }
     const auto label = [&](std::int64_t f) {

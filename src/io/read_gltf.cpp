@@ -2,6 +2,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -85,18 +86,16 @@ class GltfReader {
       info_.format = "glTF";
     }
     json_ = Json::parse(text);
-    for (const Json& e : json_.value("extensionsRequired", Json::array()))
+    for (const Json& e : list(json_, "extensionsRequired"))
       if (e != "KHR_mesh_quantization" && e.get<std::string>().find("mesh") != std::string::npos)
-        throw Malformed{"the meshes are stored with the extension " + e.get<std::string>() +
+        throw Malformed{"the meshes are stored with the extension " + overtet::quoted(e.get<std::string>()) +
                         "; save them plainly"};
-    const Json scenes = json_.value("scenes", Json::array());
-    const auto scene = json_.value("scene", std::size_t{0});
+    const Json& scenes = list(json_, "scenes");
+    const std::size_t scene = json_.contains("scene") ? number(json_["scene"]) : 0;
     if (scene < scenes.size()) {
-      for (const Json& n : scenes[scene].value("nodes", Json::array()))
-        node(n.get<std::size_t>(), Eigen::Matrix4d::Identity());
+      nodes(list(scenes[scene], "nodes"));
     } else {
-      for (std::size_t m = 0; m < json_.value("meshes", Json::array()).size(); ++m)
-        mesh(m, Eigen::Matrix4d::Identity(), "");
+      for (std::size_t m = 0; m < list(json_, "meshes").size(); ++m) mesh(m, Eigen::Matrix4d::Identity(), "");
     }
     finish();
     return std::move(out_);
@@ -113,9 +112,45 @@ class GltfReader {
     return {};
   }
 
-  void node(std::size_t number, const Eigen::Matrix4d& outer) {
-    const Json& n = json_.at("nodes").at(number);
-    if (!met_.insert(number).second) throw Malformed{"node " + std::to_string(number) + " has two parents"};
+  // References into the file's tree: a copy would take its time for every look, and go as deep as the tree
+  // does.
+  static const Json& list(const Json& of, const char* key) {
+    static const Json none = Json::array();
+    const auto at = of.find(key);
+    if (at == of.end()) return none;
+    if (!at->is_array()) throw Malformed{overtet::quoted(key) + " is no list"};
+    return *at;
+  }
+  static std::size_t number(const Json& j) {
+    if (!j.is_number_unsigned()) throw Malformed{"there is something else where a whole number should be"};
+    return j.get<std::size_t>();
+  }
+
+  // The trees of nodes, each before its children and those in order; with a list of its own of what comes
+  // next, as a tree may be as deep as the file is long.
+  void nodes(const Json& roots) {
+    struct Next {
+      const Json* number;
+      Eigen::Matrix4d outer;
+    };
+    std::vector<Next> next;
+    const auto add = [&](const Json& numbers, const Eigen::Matrix4d& outer) {
+      for (auto n = numbers.rbegin(); n != numbers.rend(); ++n) next.push_back({&*n, outer});
+    };
+    add(roots, Eigen::Matrix4d::Identity());
+    while (!next.empty()) {
+      const Next one = next.back();
+      next.pop_back();
+      const std::size_t n = number(*one.number);
+      const Eigen::Matrix4d place = node(n, one.outer);
+      add(list(json_["nodes"][n], "children"), place);
+    }
+  }
+
+  // The place of what is in it.
+  Eigen::Matrix4d node(std::size_t which, const Eigen::Matrix4d& outer) {
+    const Json& n = json_.at("nodes").at(which);
+    if (!met_.insert(which).second) throw Malformed{"node " + std::to_string(which) + " has two parents"};
     Eigen::Matrix4d own = Eigen::Matrix4d::Identity();
     if (n.contains("matrix")) {
       for (int k = 0; k < 16; ++k)
@@ -136,38 +171,38 @@ class GltfReader {
       }
     }
     const Eigen::Matrix4d place = outer * own;
-    if (n.contains("mesh")) mesh(n["mesh"].get<std::size_t>(), place, n.value("name", ""));
-    for (const Json& child : n.value("children", Json::array())) node(child.get<std::size_t>(), place);
+    if (n.contains("mesh")) mesh(number(n["mesh"]), place, n.value("name", ""));
+    return place;
   }
 
   // Primitives of one mesh that have the same places have the same vertices.
-  void mesh(std::size_t number, const Eigen::Matrix4d& place, std::string name) {
-    const Json& m = json_.at("meshes").at(number);
-    if (name.empty()) name = m.value("name", "mesh " + std::to_string(number));
+  void mesh(std::size_t which, const Eigen::Matrix4d& place, std::string name) {
+    const Json& m = json_.at("meshes").at(which);
+    if (name.empty()) name = m.value("name", "mesh " + std::to_string(which));
     std::map<std::size_t, Index> first_of;
     for (const Json& p : m.at("primitives")) {
-      const auto mode = p.value("mode", 4);
+      const std::size_t mode = p.contains("mode") ? number(p["mode"]) : 4;
       if (mode < 4) continue;  // points and lines
       if (mode != 4)
         throw Malformed{"mesh " + overtet::quoted(name) +
                         " has strips or fans of triangles; save them as triangles"};
       const Json& attributes = p.at("attributes");
-      const auto places = attributes.at("POSITION").get<std::size_t>();
+      const std::size_t places = number(attributes.at("POSITION"));
       const auto [at, is_new] = first_of.try_emplace(places, static_cast<Index>(out_.xyz.size() / 3));
-      const std::int64_t count = json_.at("accessors").at(places).at("count").get<std::int64_t>();
+      const std::size_t count = number(json_.at("accessors").at(places).at("count"));
       if (is_new) add_vertices(attributes, place);
       groups_.begin(FaceGroups::solid, name, out_.sizes.size());
       groups_.begin(FaceGroups::material,
                     p.contains("material") ? json_.at("materials")
-                                                 .at(p["material"].get<std::size_t>())
+                                                 .at(number(p["material"]))
                                                  .value("name", "material " + p["material"].dump())
                                            : std::string(),
                     out_.sizes.size());
       std::vector<double> corners;
       if (p.contains("indices"))
-        corners = accessor(p["indices"].get<std::size_t>(), 1);
+        corners = accessor(number(p["indices"]), 1);
       else
-        for (std::int64_t v = 0; v < count; ++v) corners.push_back(static_cast<double>(v));
+        for (std::size_t v = 0; v < count; ++v) corners.push_back(static_cast<double>(v));
       if (corners.size() % 3 != 0)
         throw Malformed{"mesh " + overtet::quoted(name) + " has a triangle without three corners"};
       const bool mirrored = place.topLeftCorner<3, 3>().determinant() < 0;
@@ -182,7 +217,7 @@ class GltfReader {
   }
 
   void add_vertices(const Json& attributes, const Eigen::Matrix4d& place) {
-    const std::vector<double> xyz = accessor(attributes["POSITION"].get<std::size_t>(), 3);
+    const std::vector<double> xyz = accessor(number(attributes["POSITION"]), 3);
     if ((out_.xyz.size() + xyz.size()) / 3 > static_cast<std::size_t>(kMaxCount))
       throw Malformed{"there are too many vertices"};
     const bool moved = place != Eigen::Matrix4d::Identity();
@@ -200,21 +235,20 @@ class GltfReader {
         all.width = -1;
         continue;
       }
-      const auto number = attributes[key].get<std::size_t>();
-      const int width = json_.at("accessors").at(number).at("type") == "VEC2"   ? 2
-                        : json_.at("accessors").at(number).at("type") == "VEC3" ? 3
-                                                                                : 4;
+      const std::size_t which = number(attributes[key]);
+      const Json& type = json_.at("accessors").at(which).at("type");
+      const int width = type == "VEC2" ? 2 : type == "VEC3" ? 3 : 4;
       if (all.width == 0) all.width = width;
       if (all.width != width) all.width = -1;
-      const std::vector<double> values = accessor(number, width);
+      const std::vector<double> values = accessor(which, width);
       all.values.insert(all.values.end(), values.begin(), values.end());
     }
   }
 
-  std::string_view buffer(std::size_t number) {
-    const Json& b = json_.at("buffers").at(number);
+  std::string_view buffer(std::size_t which) {
+    const Json& b = json_.at("buffers").at(which);
     if (!b.contains("uri")) return binary_;
-    const auto [at, is_new] = buffers_.try_emplace(number);
+    const auto [at, is_new] = buffers_.try_emplace(which);
     if (!is_new) return at->second;
     const auto uri = b["uri"].get<std::string>();
     if (uri.starts_with("data:")) {
@@ -223,33 +257,39 @@ class GltfReader {
       if (!decoded) throw Malformed{"a buffer is not base64"};
       at->second = *std::move(decoded);
     } else {
+      // A file from elsewhere may name a device, which has no end, or a pipe, which no one writes to.
+      std::error_code unknown;
+      if (!std::filesystem::is_regular_file(folder_ + uri, unknown))
+        throw Malformed{"there is no file " + overtet::quoted(uri) + ", in which it says its buffer is"};
       Result<std::string> file = read_file(folder_ + uri);
-      if (!file) throw Malformed{"its buffer cannot be read: " + file.error().message};
+      if (!file) throw Malformed{"its buffer " + overtet::quoted(uri) + " cannot be read"};
       at->second = std::move(file).value();
     }
     return at->second;
   }
 
   // All numbers of an accessor, `width` an element.
-  std::vector<double> accessor(std::size_t number, int width) {
-    const Json& a = json_.at("accessors").at(number);
-    const auto type = a.at("componentType").get<std::int64_t>();
-    const auto count = a.at("count").get<std::size_t>();
+  std::vector<double> accessor(std::size_t which, int width) {
+    const Json& a = json_.at("accessors").at(which);
+    const auto type = static_cast<std::int64_t>(number(a.at("componentType")));
+    const std::size_t count = number(a.at("count"));
     const std::size_t size = component_size(type), element = size * static_cast<std::size_t>(width);
     static constexpr const char* names[] = {"", "SCALAR", "VEC2", "VEC3", "VEC4"};
     if (size == 0 || a.at("type") != names[width])
-      throw Malformed{"accessor " + std::to_string(number) + " has another type than it should"};
+      throw Malformed{"accessor " + std::to_string(which) + " has another type than it should"};
     if (a.contains("sparse"))
-      throw Malformed{"accessor " + std::to_string(number) + " is sparse; save it plainly"};
-    const Json& view = json_.at("bufferViews").at(a.at("bufferView").get<std::size_t>());
-    const std::string_view bytes = buffer(view.at("buffer").get<std::size_t>());
-    const auto stride = view.value("byteStride", element);
-    const std::size_t begin =
-        view.value("byteOffset", std::size_t{0}) + a.value("byteOffset", std::size_t{0});
+      throw Malformed{"accessor " + std::to_string(which) + " is sparse; save it plainly"};
+    const Json& view = json_.at("bufferViews").at(number(a.at("bufferView")));
+    const std::string_view bytes = buffer(number(view.at("buffer")));
+    const auto or_else = [](const Json& of, const char* key, std::size_t otherwise) {
+      return of.contains(key) ? number(of[key]) : otherwise;
+    };
+    const std::size_t stride = or_else(view, "byteStride", element);
+    const std::size_t begin = or_else(view, "byteOffset", 0) + or_else(a, "byteOffset", 0);
     if (stride < element || begin > bytes.size() ||
         (count > 0 &&
          (element > bytes.size() - begin || count - 1 > (bytes.size() - begin - element) / stride)))
-      throw Malformed{"accessor " + std::to_string(number) + " points outside its buffer"};
+      throw Malformed{"accessor " + std::to_string(which) + " points outside its buffer"};
     std::vector<double> out;
     out.reserve(count * static_cast<std::size_t>(width));
     const bool normalized = a.value("normalized", false);
@@ -294,6 +334,8 @@ Result<Polygons> parse_gltf(std::string_view name, const std::string& folder, st
     return GltfReader(folder, info).read(bytes);
   } catch (const Malformed& m) {
     return malformed(name, m.what);
+  } catch (const Json::parse_error& e) {  // whose words quote the file
+    return malformed(name, "this is no JSON that Overtet can read (at byte " + std::to_string(e.byte) + ")");
   } catch (const Json::exception& e) {
     return malformed(name, std::string("this is no glTF that Overtet can read (") + e.what() + ")");
   }

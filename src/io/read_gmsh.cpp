@@ -66,13 +66,16 @@ struct Values {
   std::vector<std::pair<std::int64_t, double>> of;
 };
 
-// A name that stands for a label which Gmsh has no number for (write_gmsh.cpp): "label -3".
-bool hidden_label(const std::string& name, Index& label) {
+// A name that stands for a label which Gmsh has no number for (write_gmsh.cpp): "label -3", or "label -3
+// inlet". Its own name is what is left.
+bool hidden_label(const std::string& name, Index& label, std::string& own) {
   constexpr std::string_view prefix = "label ";
   if (!name.starts_with(prefix)) return false;
   const char *begin = name.data() + prefix.size(), *end = name.data() + name.size();
   const auto [stop, code] = std::from_chars(begin, end, label);
-  return code == std::errc() && stop == end && label <= 0;
+  if (code != std::errc() || label > 0 || (stop != end && *stop != ' ')) return false;
+  own = stop == end ? "" : std::string(stop + 1, end);
+  return true;
 }
 
 // More than 12 members: what the sections of a file say, until all have been read.
@@ -129,8 +132,8 @@ class GmshReader {
       std::string_view name = in_.rest_of_line();
       if (name.size() >= 2 && name.front() == '"' && name.back() == '"')
         name = name.substr(1, name.size() - 2);
-      if (dimension == 2) parts_.labels.names[tag] = name;
-      if (dimension == 3) parts_.regions.names[tag] = name;
+      if (dimension == 2) parts_.labels.names[tag] = one_line(name);
+      if (dimension == 3) parts_.regions.names[tag] = one_line(name);
     }
     return true;
   }
@@ -232,7 +235,8 @@ class GmshReader {
           return false;
         for (std::int64_t k = 0; k < tags && k < 2; ++k)
           if (!in_.label(tag[k], "a tag")) return false;
-        if (!in_.skip(tags - 2) || !element(number, type, std::abs(tag[0]), tag[1])) return false;
+        if ((tags > 2 && !in_.skip(tags - 2)) || !element(number, type, std::abs(tag[0]), tag[1]))
+          return false;
       }
       return true;
     }
@@ -291,13 +295,17 @@ class GmshReader {
       for (const Index g : labels.of) grouped |= g != 0;
       if (!grouped) labels.of = entity_[tet];
       std::map<Index, Index> hidden;
+      std::map<Index, std::string> own_names;
       for (auto it = labels.names.begin(); it != labels.names.end();) {
         Index label = 0;
-        const bool hides = hidden_label(it->second, label);
+        std::string own;
+        const bool hides = hidden_label(it->second, label, own);
         if (hides) hidden[it->first] = label;
+        if (!own.empty()) own_names[label] = own;
         it = hides ? labels.names.erase(it) : std::next(it);
       }
       if (hidden.empty()) continue;
+      labels.names.merge(own_names);
       for (Index& l : labels.of)
         if (const auto at = hidden.find(l); at != hidden.end()) l = at->second;
     }
@@ -311,7 +319,7 @@ class GmshReader {
 
   static void fill(const Values& values, const FileNumbers& numbers, Index otherwise,
                    std::vector<Index>& out) {
-    out.assign(static_cast<std::size_t>(numbers.count()), otherwise);
+    if (out.empty()) out.assign(static_cast<std::size_t>(numbers.count()), otherwise);
     for (const auto& [number, x] : values.of)
       if (const Index i = numbers.find(number); i >= 0 && std::abs(x) <= double{kMaxCount})
         out[static_cast<std::size_t>(i)] = static_cast<Index>(x);

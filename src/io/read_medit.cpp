@@ -57,6 +57,7 @@ class MeditReader {
 
   bool vertices() {
     std::int64_t n = 0, reference = 0;
+    if (have_vertices_) return in_.fail("the vertices are listed twice");
     if (!in_.count(n, 8, "the number of vertices")) return false;
     parts_.xyz.resize(static_cast<std::size_t>(3 * n));
     for (std::int64_t v = 0; v < n; ++v) {

@@ -72,8 +72,9 @@ bool read_corner(TextCursor& in, std::string_view corner, std::int64_t face, std
   if (code != std::errc() || stop != number.data() + number.size())
     return in.fail(quoted(corner) + " does not name a vertex" + which());
   if (v == 0) return in.fail("there is no vertex 0; OBJ numbers vertices from 1" + which());
-  if (vertices + v < 0)
-    return in.fail("there are fewer than " + std::to_string(-v) + " vertices before this line" + which());
+  if (v < -vertices)
+    return in.fail("there are fewer than " + std::string(number.substr(1)) + " vertices before this line" +
+                   which());
   return true;
 }
 
@@ -119,7 +120,9 @@ Result<Polygons> parse_obj(std::string_view name, std::string_view bytes, Surfac
         if (v > vertices && v > ahead) ahead = v, ahead_line = in.line(), ahead_face = face;
         if (zero_based > kMaxCount) break;
         out.corners.push_back(static_cast<Index>(zero_based));
-        texture.corner(static_cast<std::size_t>(zero_based), corner);
+        // (A vertex that the rest of the file has no room for must not take memory.)
+        if (zero_based < vertices + static_cast<std::int64_t>(in.bytes_left()))
+          texture.corner(static_cast<std::size_t>(zero_based), corner);
         ++size;
       }
       if (ahead > kMaxCount) break;

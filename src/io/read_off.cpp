@@ -45,7 +45,7 @@ void take_colours(const Extras& vertices, const Extras& faces, std::string_view 
   if (parts == 1) {
     const std::vector<double>& numbers = data.back().values;
     if (std::all_of(numbers.begin(), numbers.end(),
-                    [](double x) { return x == std::floor(x) && std::abs(x) < 1e9; }))
+                    [](double x) { return x == std::floor(x) && std::abs(x) <= double{kMaxCount}; }))
       out.attributes.faces.of.assign(numbers.begin(), numbers.end());
     return;
   }

@@ -174,15 +174,18 @@ class TextSource final : public Source {
   TextCursor in_;
 };
 
-// Whether the property lists the corners of a face: it is called so, or is the only list.
-bool index_list(const Element& face, const Property& p) {
-  if (!p.list) return false;
-  const auto named = [](const Property& q) {
-    return q.list && (q.name == "vertex_indices" || q.name == "vertex_index");
-  };
-  if (std::any_of(face.properties.begin(), face.properties.end(), named)) return named(p);
-  return std::count_if(face.properties.begin(), face.properties.end(),
-                       [](const Property& q) { return q.list; }) == 1;
+// The property that lists the corners of a face: it is called so, or is the only list. None where no list or
+// more than one is that.
+std::optional<std::size_t> corners_of(const Element& face) {
+  std::size_t lists = 0, named = 0, list = 0, name = 0;
+  for (std::size_t i = 0; i < face.properties.size(); ++i) {
+    const Property& p = face.properties[i];
+    if (!p.list) continue;
+    ++lists, list = i;
+    if (p.name == "vertex_indices" || p.name == "vertex_index") ++named, name = i;
+  }
+  if (named == 1) return name;
+  return named == 0 && lists == 1 ? std::optional(list) : std::nullopt;
 }
 
 // What a property is for: a coordinate (0 to 2), the corners, or something to carry along.
@@ -195,16 +198,17 @@ struct Role {
 std::vector<Role> roles_of(const Element& e, Polygons& out) {
   std::vector<Role> roles(e.properties.size());
   const bool is_vertex = e.name == "vertex", is_face = e.name == "face";
+  const std::optional<std::size_t> corners = is_face ? corners_of(e) : std::nullopt;
   std::vector<Attribute>& data = is_vertex ? out.attributes.vertex_data : out.attributes.face_data;
   data.reserve(e.properties.size());  // roles point into it
   for (std::size_t i = 0; i < e.properties.size(); ++i) {
     const Property& p = e.properties[i];
     if (is_vertex && !p.list && p.name.size() == 1 && p.name[0] >= 'x' && p.name[0] <= 'z')
       roles[i].coordinate = p.name[0] - 'x';
-    else if (is_face && index_list(e, p))
+    else if (corners == i)
       roles[i].corners = true;
     else if ((is_vertex || is_face) && !p.list) {
-      data.push_back({p.name, kept_as(p.type), 1, {}});
+      data.push_back({one_line(p.name), kept_as(p.type), 1, {}});
       roles[i].data = &data.back();
     }
   }
@@ -273,7 +277,8 @@ Status read_body(Source& in, const std::vector<Element>& elements, Polygons& out
           continue;
         }
         if (!in.next(p.count_type, x)) return in.error;
-        if (!(x >= 0) || x != std::floor(x) || x > static_cast<double>(in.bytes_left())) {
+        if (!(x >= 0) || x != std::floor(x) || x > static_cast<double>(in.bytes_left()) ||
+            x > double{kMaxCount}) {
           if (x >= 0 && x < 1000)
             in.fail("the file ends inside " + in.which());
           else
@@ -390,14 +395,16 @@ Status check_header(std::string_view name, const Header& header, std::int64_t bo
   int seen = 0;
   for (const Element& e : header.elements) {
     std::int64_t each = 0;
-    int coordinates = 0, lists = 0;
+    std::array<int, 3> coordinates{};
     for (const Property& p : e.properties) {
       each += text ? 2 : size_of(p.list ? p.count_type : p.type);
-      if (!p.list && (p.name == "x" || p.name == "y" || p.name == "z")) ++coordinates;
-      if (index_list(e, p)) ++lists;
+      if (!p.list && (p.name == "x" || p.name == "y" || p.name == "z"))
+        ++coordinates[static_cast<std::size_t>(p.name[0] - 'x')];
     }
-    if (e.name == "vertex" && coordinates != 3) return malformed(name, "the vertices have no x, y and z");
-    if (e.name == "face" && lists != 1) return malformed(name, "the faces have no list of vertex_indices");
+    if (e.name == "vertex" && coordinates != std::array{1, 1, 1})
+      return malformed(name, "the vertices have no x, y and z");
+    if (e.name == "face" && !corners_of(e))
+      return malformed(name, "the faces have no list of vertex_indices");
     if (each == 0 && e.count > 0)
       return malformed(name, "the element " + quoted(e.name) + " has no properties");
     if (each > 0 && e.count > body_size / each) {

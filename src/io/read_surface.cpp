@@ -9,6 +9,7 @@
 #include "src/io/names.h"
 #include "src/io/surface_parts.h"
 #include "src/io/text.h"
+#include "src/io/tuning.h"
 
 namespace overtet {
 
@@ -120,25 +121,27 @@ Result<Surface> read_surface(const std::string& path, SurfaceReadInfo* info_out,
   const ScopedThreads threads(context.threads > 0 ? context.threads : thread_cap());
   Result<std::string> file = read_file(path);
   if (!file) return file.error();
-  std::string& bytes = file.value();
+  SurfaceReadInfo local;
+  return parse_surface(path, std::move(file).value(), info_out ? *info_out : local);
+}
+
+Result<Surface> io_detail::parse_surface(const std::string& path, std::string bytes, SurfaceReadInfo& info) {
   const std::string name = file_name(path);
   if (bytes.empty()) return malformed(name, "the file is empty");
-
-  SurfaceReadInfo local;
-  SurfaceReadInfo& info = info_out ? *info_out : local;
   info = {};
+  const std::size_t file_size = bytes.size();
+  const std::string folder = path == "-" ? "" : path.substr(0, path.size() - name.size());
   const Result<std::string> format = format_of(path, name, bytes, info);
   if (!format) return format.error();
   const std::string& kind = format.value();
   if (kind == "off" || kind == "obj" || kind == "stl" || (kind == "ply" && is_text_ply(bytes)))
     tidy_text(bytes);
   std::optional<Result<Polygons>> mesh = parse_mesh(kind, name, bytes, info);
-  Result<Polygons> parsed = mesh            ? *std::move(mesh)
-                            : kind == "off" ? parse_off(name, bytes, info)
-                            : kind == "ply" ? parse_ply(name, bytes, info)
-                            : kind == "stl" ? parse_ascii_stl(name, bytes, info)
-                            : kind == "gltf"
-                                ? parse_gltf(name, path.substr(0, path.size() - name.size()), bytes, info)
+  Result<Polygons> parsed = mesh             ? *std::move(mesh)
+                            : kind == "off"  ? parse_off(name, bytes, info)
+                            : kind == "ply"  ? parse_ply(name, bytes, info)
+                            : kind == "stl"  ? parse_ascii_stl(name, bytes, info)
+                            : kind == "gltf" ? parse_gltf(name, folder, bytes, info)
                             : kind == "bstl" ? parse_binary_stl(name, bytes, info)
                                              : parse_obj(name, bytes, info);
   if (!parsed) return parsed.error();
@@ -151,6 +154,14 @@ Result<Surface> read_surface(const std::string& path, SurfaceReadInfo* info_out,
   Surface surface = triangulate(polygons, info.polygons, info.source.face);
   info.source.vertex_line = std::move(polygons.vertex_line);
   info.source.face_line = std::move(polygons.face_line);
+  std::size_t width = 0;
+  for (const Attribute& a : polygons.attributes.face_data) width += static_cast<std::size_t>(a.width);
+  if (info.polygons > 0 &&
+      static_cast<std::size_t>(surface.F.rows()) * width > kMostSpread / sizeof(double) * file_size) {
+    polygons.attributes.face_data.clear();
+    info.notes.push_back(
+        "The data of faces were left out: there are too many for triangles of such large faces.");
+  }
   spread_to_triangles(polygons.sizes, polygons.attributes);
   info.attributes = std::move(polygons.attributes);
   if (info.polygons > 0)

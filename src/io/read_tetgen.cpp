@@ -21,7 +21,10 @@ bool rest(Tokens& in, std::vector<double>& out) {
   return true;
 }
 
-Status read_nodes(std::string_view name, std::string_view bytes, MeshParts& out, std::int64_t& first) {
+}  // namespace
+
+Status parse_tetgen_nodes(std::string_view name, std::string_view bytes, MeshParts& out,
+                          std::int64_t& first) {
   Tokens in(name, bytes);
   std::int64_t n = 0, dimension = 0, number = 0;
   if (!in.count(n, 8, "the number of nodes") || !in.integer(dimension, "the dimension")) return in.error();
@@ -31,7 +34,8 @@ Status read_nodes(std::string_view name, std::string_view bytes, MeshParts& out,
   for (std::int64_t v = 0; v < n; ++v) {
     if (!in.integer(number, "a node number")) return in.error();
     if (v == 0) first = number;
-    if (number != first + v) return malformed(name, "the nodes are not numbered consecutively");
+    if (first < -kMaxCount || first > kMaxCount || number != first + v)
+      return malformed(name, "the nodes are not numbered consecutively");
     for (int k = 0; k < 3; ++k)
       if (!in.real(out.xyz[static_cast<std::size_t>(3 * v + k)], "a node")) return in.error();
     in.next_line();
@@ -39,7 +43,7 @@ Status read_nodes(std::string_view name, std::string_view bytes, MeshParts& out,
   return success();
 }
 
-Status read_elements(std::string_view name, std::string_view bytes, MeshParts& out, std::int64_t first) {
+Status parse_tetgen_tets(std::string_view name, std::string_view bytes, MeshParts& out, std::int64_t& first) {
   Tokens in(name, bytes);
   std::int64_t n = 0, nodes_each = 0, number = 0;
   if (!in.count(n, 10, "the number of tets") || !in.integer(nodes_each, "the number of corners"))
@@ -65,7 +69,8 @@ Status read_elements(std::string_view name, std::string_view bytes, MeshParts& o
   return success();
 }
 
-Status read_faces(std::string_view name, std::string_view bytes, MeshParts& out, std::int64_t first) {
+Status parse_tetgen_faces(std::string_view name, std::string_view bytes, MeshParts& out,
+                          std::int64_t& first) {
   Tokens in(name, bytes);
   std::int64_t n = 0, number = 0;
   if (!in.count(n, 8, "the number of faces")) return in.error();
@@ -87,8 +92,6 @@ Status read_faces(std::string_view name, std::string_view bytes, MeshParts& out,
   return success();
 }
 
-}  // namespace
-
 Result<MeshParts> read_tetgen(const std::string& base, const std::string& gz) {
   MeshParts out;
   out.format = "TetGen";
@@ -99,10 +102,10 @@ Result<MeshParts> read_tetgen(const std::string& base, const std::string& gz) {
     if (!bytes) return bytes.error();
     return read(file_name(path), bytes.value(), out, first);
   };
-  if (Status s = with(".node", read_nodes); !s) return s.error();
-  if (Status s = with(".ele", read_elements); !s) return s.error();
+  if (Status s = with(".node", parse_tetgen_nodes); !s) return s.error();
+  if (Status s = with(".ele", parse_tetgen_tets); !s) return s.error();
   if (file_exists(base + ".face" + gz))
-    if (Status s = with(".face", read_faces); !s) return s.error();
+    if (Status s = with(".face", parse_tetgen_faces); !s) return s.error();
   return out;
 }
 

@@ -55,16 +55,21 @@ Result<LabelledTetMesh> read_as(const std::string& path, std::optional<TetFormat
   }
   const Result<std::string> bytes = read_file(path);
   if (!bytes) return bytes.error();
-  const std::string_view kind = format ? kind_of(*format) : mesh_kind(bytes.value());
-  if (kind.empty())
-    return Error{ErrorCode::usage, "Neither its name nor what it begins with tells the format of " + name +
-                                       ": tet meshes are read from .mesh, .msh, .vtu, .node, .ele, .inp and "
-                                       ".vtk files."};
-  Result<MeshParts> read = parse(kind, name, bytes.value());
-  return read ? tet_mesh_of(name, std::move(read).value()) : Result<LabelledTetMesh>(read.error());
+  return parse_tets(name, format, bytes.value());
 }
 
 }  // namespace
+
+Result<LabelledTetMesh> io_detail::parse_tets(std::string_view name, std::optional<TetFormat> format,
+                                              std::string_view bytes) {
+  const std::string_view kind = format ? kind_of(*format) : mesh_kind(bytes);
+  if (kind.empty())
+    return Error{ErrorCode::usage,
+                 "Neither its name nor what it begins with tells the format of " + std::string(name) +
+                     ": tet meshes are read from .mesh, .msh, .vtu, .node, .ele, .inp and .vtk files."};
+  Result<MeshParts> read = parse(kind, name, bytes);
+  return read ? tet_mesh_of(name, std::move(read).value()) : Result<LabelledTetMesh>(read.error());
+}
 
 Result<LabelledTetMesh> read_labelled_tets(const std::string& path, const RunContext& context) {
   const Result<TetFormat> format = tet_format_of(path);

@@ -107,10 +107,9 @@ class VtkSource {
     for (double& x : out) {
       const std::string_view w = word();
       const auto [stop, code] = std::from_chars(w.data(), w.data() + w.size(), x);
-      if (code == std::errc::result_out_of_range)
-        x = std::strtod(std::string(w).c_str(), nullptr);
-      else if (code != std::errc() || stop != w.data() + w.size())
+      if (code == std::errc::invalid_argument || stop != w.data() + w.size())
         return fail(quoted(w) + " is not a number");
+      if (code == std::errc::result_out_of_range) x = std::strtod(std::string(w).c_str(), nullptr);
     }
     return true;
   }
@@ -201,13 +200,14 @@ class VtkReader {
              in_.numbers(4 * n, *vtk_type(in_.binary() ? "unsigned_char" : "double"), unused);
     }
     Attribute a;
-    a.name = std::string(in_.word());
+    a.name = one_line(in_.word());
     const VtkType* type = vtk_type("double");
     std::int64_t width = 3;
     if (key == "scalars") {
       if (!in_.type(type)) return false;
-      const std::string more(in_.word_here());
-      width = more.empty() ? 1 : std::atoi(more.c_str());
+      const std::string_view more = in_.word_here();
+      width = 1;
+      if (!more.empty()) std::from_chars(more.data(), more.data() + more.size(), width);
       in_.word(), in_.word();  // LOOKUP_TABLE name
     } else if (key == "color_scalars") {
       if (!in_.count(width, "the number of colours")) return false;
@@ -239,7 +239,7 @@ class VtkReader {
       }
       name = in_.word();
     }
-    a.name = name;
+    a.name = one_line(name);
     std::int64_t width = 0, tuples = 0;
     const VtkType* type = nullptr;
     if (!in_.count(width, "the width of an array") || !in_.count(tuples, "the length of an array") ||

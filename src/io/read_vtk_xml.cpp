@@ -22,19 +22,21 @@ struct Tag {
   std::string_view attributes;
   std::string_view text;  // what follows, up to the next tag
 
+  // Attribute by attribute: a value may have in it what looks like another one.
   std::string_view attribute(std::string_view key) const {
-    for (std::size_t at = attributes.find(key); at != std::string_view::npos;
-         at = attributes.find(key, at + 1)) {
-      if (at > 0 && static_cast<unsigned char>(attributes[at - 1]) > ' ') continue;
-      std::size_t p = at + key.size();
-      while (p < attributes.size() && static_cast<unsigned char>(attributes[p]) <= ' ') ++p;
-      if (p >= attributes.size() || attributes[p] != '=') continue;
-      const std::size_t open = attributes.find_first_of("\"'", p);
-      if (open == std::string_view::npos) return "";
-      const std::size_t close = attributes.find(attributes[open], open + 1);
-      return close == std::string_view::npos ? "" : attributes.substr(open + 1, close - open - 1);
+    std::string_view rest = attributes;
+    for (;;) {
+      const std::size_t begin = rest.find_first_not_of(" \t\r\n/");
+      if (begin == std::string_view::npos) return "";
+      rest.remove_prefix(begin);
+      const std::string_view name = rest.substr(0, rest.find_first_of("= \t\r\n"));
+      const std::size_t open = rest.find_first_not_of("= \t\r\n", name.size());
+      if (open == std::string_view::npos || (rest[open] != '"' && rest[open] != '\'')) return "";
+      const std::size_t close = rest.find(rest[open], open + 1);
+      if (close == std::string_view::npos) return "";
+      if (name == key) return rest.substr(open + 1, close - open - 1);
+      rest.remove_prefix(close + 1);
     }
-    return "";
   }
 };
 
@@ -82,6 +84,7 @@ class VtkXmlReader {
   explicit VtkXmlReader(std::string_view name) : name_(name) {}
 
   Result<MeshParts> read(std::string_view bytes) {
+    file_size_ = bytes.size();
     const std::vector<Tag> tags = tags_of(bytes);
     for (const Tag& t : tags)
       if (Status s = read_header(t); !s.ok()) return s.error();
@@ -116,6 +119,7 @@ class VtkXmlReader {
       appended_raw_ = t.attribute("encoding") == "raw";
       const std::size_t mark = t.text.find('_');
       if (mark != std::string_view::npos) appended_ = t.text.substr(mark + 1);
+      if (!appended_raw_) appended_ = appended_.substr(0, appended_.find('<'));
     }
     return success();
   }
@@ -128,14 +132,31 @@ class VtkXmlReader {
       if (poly_data_) {
         if (number_of(t.attribute("NumberOfStrips"), 0) > 0)
           return bad("the file has strips of triangles; save them as triangles");
-        data_.other_cells = std::max<std::int64_t>(number_of(t.attribute("NumberOfVerts"), 0), 0) +
-                            std::max<std::int64_t>(number_of(t.attribute("NumberOfLines"), 0), 0);
+        for (const std::string_view other : {"NumberOfVerts", "NumberOfLines"}) {
+          const std::int64_t n = std::max<std::int64_t>(number_of(t.attribute(other), 0), 0);
+          if (n > kMaxCount) return bad("there are too many vertices or lines");
+          data_.other_cells += n;
+        }
       }
     }
     for (const std::string_view section :
          {"Points", "Cells", "Polys", "PointData", "CellData", "FieldData", "Verts", "Lines", "Strips"})
       if (t.name == section) section_ = section;
     return t.name == "DataArray" ? read_array(t) : success();
+  }
+
+  // A name without XML's escapes.
+  static std::string unescaped(std::string_view name) {
+    static constexpr std::pair<std::string_view, char> escapes[] = {
+        {"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&apos;", '\''}, {"&amp;", '&'}};
+    std::string out;
+    while (!name.empty()) {
+      const auto* escape = std::find_if(std::begin(escapes), std::end(escapes),
+                                        [&](const auto& e) { return name.starts_with(e.first); });
+      out += escape == std::end(escapes) ? name[0] : escape->second;
+      name.remove_prefix(escape == std::end(escapes) ? 1 : escape->first.size());
+    }
+    return one_line(out);
   }
 
   // The cells and the data; of what is not known nothing is kept.
@@ -155,7 +176,7 @@ class VtkXmlReader {
     if (list) {
       const auto width = number_of(t.attribute("NumberOfComponents"), 1);
       if (width < 1 || width > kMaxCount) return success();
-      list->push_back({std::string(which), type_named(t.attribute("type")), static_cast<int>(width), {}});
+      list->push_back({unescaped(which), type_named(t.attribute("type")), static_cast<int>(width), {}});
       out = &list->back().values;
     }
     const std::string_view format = t.attribute("format");
@@ -179,7 +200,7 @@ class VtkXmlReader {
     return success();
   }
 
-  Status read_binary(const Tag& t, std::vector<double>& out) const {
+  Status read_binary(const Tag& t, std::vector<double>& out) {
     const std::string_view which = t.attribute("Name"), format = t.attribute("format");
     std::string_view stored = t.text;
     bool encoded = true;
@@ -194,9 +215,10 @@ class VtkXmlReader {
     } else if (format != "binary") {
       return bad("Overtet reads no data arrays in the format " + quoted(format));
     }
-    if (encoded) stored = stored.substr(0, stored.find('<'));
     Result<std::string> raw = compressed_ ? inflated(which, stored, encoded) : plain(which, stored, encoded);
     if (!raw) return raw.error();
+    // Arrays that share their bytes would take the square of the file's size.
+    if (stored_ > file_size_) return bad("data arrays lie in each other");
     return take(t.attribute("type"), raw.value(), out);
   }
 
@@ -225,11 +247,12 @@ class VtkXmlReader {
   }
 
   // A count of bytes, and the bytes; in base64 both as one run, or (VTK) as two.
-  Result<std::string> plain(std::string_view which, std::string_view stored, bool encoded) const {
+  Result<std::string> plain(std::string_view which, std::string_view stored, bool encoded) {
     const Error cut = bad("the data array " + quoted(which) + " is cut short");
     if (!encoded) {
       const auto header = bytes(stored, header_size_, false);
       if (!header || stored.size() < header_number(*header, 0)) return cut;
+      stored_ += header_number(*header, 0);
       return std::string(stored.substr(0, header_number(*header, 0)));
     }
     std::string_view front = stored;
@@ -245,11 +268,12 @@ class VtkXmlReader {
       all = decode_base64(front.substr(0, base64_length(header_size_) + base64_length(whole - header_size_)));
     if (!all) return bad("the data array " + quoted(which) + " is not base64");
     if (all->size() < whole) return cut;
+    stored_ += whole;
     return all->substr(header_size_, static_cast<std::size_t>(size));
   }
 
   // Blocks of zlib: how many, the size of one, of the last if that is smaller, and of each compressed.
-  Result<std::string> inflated(std::string_view which, std::string_view stored, bool encoded) const {
+  Result<std::string> inflated(std::string_view which, std::string_view stored, bool encoded) {
     const Error cut = bad("the data array " + quoted(which) + " is cut short");
     std::string_view look = stored;
     const auto first = bytes(look, header_size_, encoded);
@@ -262,11 +286,13 @@ class VtkXmlReader {
     const std::uint64_t block = header_number(*header, 1), last = header_number(*header, 2);
     std::uint64_t packed = 0;
     for (std::size_t b = 0; b < blocks; ++b) {
-      packed += header_number(*header, 3 + b);
-      if (packed > stored.size()) return cut;
+      const std::uint64_t size = header_number(*header, 3 + b);
+      if (size > stored.size() || packed + size > stored.size()) return cut;
+      packed += size;
     }
     const auto body = bytes(stored, static_cast<std::size_t>(packed), encoded);
     if (!body) return cut;
+    stored_ += body->size();
     std::string out;
     std::string_view rest = *body;
     for (std::size_t b = 0; b < blocks; ++b) {
@@ -324,6 +350,7 @@ class VtkXmlReader {
   std::string_view appended_;
   bool appended_raw_ = false, poly_data_ = false, compressed_ = false;
   std::size_t header_size_ = 4;
+  std::size_t file_size_ = 0, stored_ = 0;  // bytes; of the arrays so far
   int pieces_ = 0;
   std::string_view section_;
   std::int64_t points_said_ = -1, cells_said_ = -1;

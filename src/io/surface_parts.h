@@ -12,6 +12,10 @@
 #include "overtet/result.h"
 #include "overtet/types.h"
 
+namespace overtet {
+class TextWriter;  // file.h
+}
+
 namespace overtet::io_detail {
 
 constexpr std::int64_t kMaxCount = std::numeric_limits<Index>::max();
@@ -41,6 +45,16 @@ bool is_binary_stl(std::string_view bytes, bool longer = false);
 Result<Polygons> parse_gltf(std::string_view name, const std::string& folder, std::string_view bytes,
                             SurfaceReadInfo& info);
 bool is_gltf(std::string_view bytes);
+
+// What read_surface() makes of the bytes of a file. The path tells the extension, the name in messages, and
+// where the files are that a .gltf file names.
+Result<Surface> parse_surface(const std::string& path, std::string bytes, SurfaceReadInfo& info);
+
+// What write_surface() writes.
+void print_surface(TextWriter& out, const Surface& surface, SurfaceFormat format, const Labels& labels);
+
+// What read_sizes() makes of the bytes of a file.
+Result<std::vector<double>> parse_sizes(std::string_view name, std::string_view bytes);
 
 // Cuts the polygons into triangles, in order; counts the ones that were not triangles. A polygon of n corners
 // becomes n - 2 triangles; a corner that is named twice in a row is left out and comes last, as a triangle

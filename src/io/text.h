@@ -1,6 +1,7 @@
 // Reading numbers out of text, with errors that name the line. Internal to src/io.
 #pragma once
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -11,6 +12,7 @@
 
 #include "kernels/core/assertions.h"
 #include "overtet/result.h"
+#include "src/io/tuning.h"
 
 namespace overtet {
 
@@ -20,6 +22,17 @@ inline std::string quoted(std::string_view token) {
   for (const char c : token.substr(0, 32)) s += (c >= ' ' && c < 127) ? c : '?';
   if (token.size() > 32) s += "...";
   return s + "\"";
+}
+
+// A name that a file gives to a label, an array or a solid, on one line: control characters become blanks,
+// and what is beyond the longest name is cut (not inside a character of UTF-8).
+inline std::string one_line(std::string_view name) {
+  std::size_t size = std::min(name.size(), kLongestName);
+  while (size < name.size() && size > 0 && (static_cast<unsigned char>(name[size]) & 0xC0) == 0x80) --size;
+  std::string s(name.substr(0, size));
+  for (char& c : s)
+    if (static_cast<unsigned char>(c) < ' ' || c == 127) c = ' ';
+  return s;
 }
 
 // Walks through text token by token. Every reading function returns false and keeps the error after a

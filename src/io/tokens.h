@@ -55,7 +55,7 @@ class Tokens {
   bool vertex(Index& out, std::int64_t vertices, std::int64_t first, const char* what) {
     std::int64_t v = 0;
     if (!integer(v, what)) return false;
-    if (v < first || v - first >= vertices) return fail("there is no vertex " + std::to_string(v));
+    if (v < first || v >= first + vertices) return fail("there is no vertex " + std::to_string(v));
     out = static_cast<Index>(v - first);
     return true;
   }

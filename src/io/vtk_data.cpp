@@ -40,8 +40,8 @@ std::map<Index, std::string> names_of(const std::vector<double>& bytes) {
     Index label = 0;
     const auto [stop, code] = std::from_chars(&text[at], text.data() + end, label);
     if (code == std::errc() && stop < text.data() + end)
-      names[label] =
-          text.substr(static_cast<std::size_t>(stop + 1 - text.data()), text.data() + end - stop - 1);
+      names[label] = one_line(
+          text.substr(static_cast<std::size_t>(stop + 1 - text.data()), text.data() + end - stop - 1));
     at = end + 1;
   }
   return names;
@@ -184,7 +184,7 @@ Result<MeshParts> parts_of(std::string_view name, VtkDataSet&& data, std::string
 
 std::string text_of_names(const std::map<Index, std::string>& names) {
   std::string text;
-  for (const auto& [label, name] : names) text += std::to_string(label) + " " + name + "\n";
+  for (const auto& [label, name] : names) text += std::to_string(label) + " " + one_line(name) + "\n";
   return text;
 }
 

@@ -9,6 +9,7 @@
 #include "kernels/core/triangles.h"
 #include "src/io/abaqus.h"
 #include "src/io/tet_view.h"
+#include "src/io/text.h"
 #include "src/io/tuning.h"
 
 namespace overtet::io_detail {
@@ -80,7 +81,7 @@ class AbaqusWriter {
   void elements() {
     const Labels& regions = m_.attributes.regions;
     for (const auto& [region, name] : regions.names)
-      out_.text(kAbaqus.region_name).number(region).character(' ').text(name).end_line();
+      out_.text(kAbaqus.region_name).number(region).character(' ').text(one_line(name)).end_line();
     for (std::int64_t begin = 0; begin < m_.tets();) {
       const Index region = m_.region(begin);
       std::int64_t end = begin + 1;
@@ -150,7 +151,7 @@ class AbaqusWriter {
     std::erase(all, -1);
     surface(std::string(kAbaqus.boundary), all);
     for (const auto& [label, name] : labels.names)
-      out_.text(kAbaqus.label_name).number(label).character(' ').text(name).end_line();
+      out_.text(kAbaqus.label_name).number(label).character(' ').text(one_line(name)).end_line();
     for (auto& [label, faces] : of_label) {
       const std::string name = set_name(kAbaqus.label, label, labels);
       surface(name, faces);

@@ -1,32 +1,35 @@
 #include <algorithm>
 
 #include "src/io/tet_view.h"
+#include "src/io/text.h"
 
 namespace overtet::io_detail {
 
 namespace {
 
-// Gmsh's entities and groups have positive numbers: other labels get the next free ones, and are kept in
-// the name of the group ("label -3").
+// Gmsh's entities and groups have positive numbers: other labels get the first free ones, and are kept in
+// the name of the group ("label -3", "label -3 inlet").
 struct Groups {
   std::map<Index, Index> tag;          // of each label that occurs
   std::map<Index, std::string> names;  // of tags
   Groups(std::int64_t n, const Labels& labels) {
     const std::map<Index, std::int64_t> all = occurring(n, labels.of);
-    Index next = all.empty() ? 1 : std::max(all.rbegin()->first, 0) + 1;
+    Index free = 0;
     for (const auto& [label, count] : all) {
-      tag[label] = label > 0 ? label : next++;
+      if (label <= 0) do
+          ++free;
+        while (all.contains(free));
+      tag[label] = label > 0 ? label : free;
       const auto name = labels.names.find(label);
-      if (name != labels.names.end())
-        names[tag[label]] = name->second;
-      else if (label <= 0)
-        names[tag[label]] = "label " + std::to_string(label);
+      if (label <= 0) names[free] = "label " + std::to_string(label);
+      if (name != labels.names.end()) names[tag[label]] += (label > 0 ? "" : " ") + name->second;
     }
   }
 };
 
 // As "1 inlet": without the quotes that Gmsh puts around it.
-std::string plain_name(std::string name) {
+std::string plain_name(std::string_view given) {
+  std::string name = one_line(given);
   std::replace(name.begin(), name.end(), '"', '\'');
   return name;
 }

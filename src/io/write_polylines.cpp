@@ -74,8 +74,9 @@ Result<CurveFormat> curve_format_of(const std::string& path) {
   return Error{ErrorCode::usage, "Curves are written as .vtp or .obj; " + path + " is neither."};
 }
 
-Status write_polylines(const std::string& path, const Polylines& polylines, CurveFormat format) {
-  return io_detail::write_file(path, [&](TextWriter& out) {
+Status write_polylines(const std::string& path, const Polylines& polylines, CurveFormat format,
+                       const RunContext& context) {
+  return io_detail::write_file(path, context, [&](TextWriter& out) {
     if (format == CurveFormat::vtp)
       write_vtp(out, polylines);
     else

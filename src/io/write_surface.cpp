@@ -4,6 +4,8 @@
 #include "overtet/io.h"
 #include "src/io/filled_file.h"
 #include "src/io/names.h"
+#include "src/io/surface_parts.h"
+#include "src/io/text.h"
 
 namespace overtet {
 
@@ -44,7 +46,7 @@ void write_obj(TextWriter& out, const Surface& s, const Labels& labels) {
       if (name == labels.names.end())
         out.number(labels.of[i]).end_line();
       else
-        out.text(name->second).end_line();
+        out.text(one_line(name->second)).end_line();
     }
     row(out, "f ", s.F(f, 0) + 1, s.F(f, 1) + 1, s.F(f, 2) + 1);
   }
@@ -80,6 +82,18 @@ void write_ply(TextWriter& out, const Surface& s, const Labels& labels) {
 
 }  // namespace
 
+void io_detail::print_surface(TextWriter& out, const Surface& surface, SurfaceFormat format,
+                              const Labels& labels) {
+  switch (format) {
+    case SurfaceFormat::off:
+      return write_off(out, surface, labels);
+    case SurfaceFormat::obj:
+      return write_obj(out, surface, labels);
+    case SurfaceFormat::ply:
+      return write_ply(out, surface, labels);
+  }
+}
+
 Result<SurfaceFormat> surface_format_of(const std::string& path) {
   const std::string extension = io_detail::parts_of_name(path).extension;
   if (extension == "off") return SurfaceFormat::off;
@@ -93,16 +107,8 @@ Status write_surface(const std::string& path, const Surface& surface, SurfaceFor
   const Labels none;
   const Labels& l = labels ? *labels : none;
   const ScopedThreads threads(context.threads > 0 ? context.threads : thread_cap());
-  return io_detail::write_file(path, [&](TextWriter& out) {
-    switch (format) {
-      case SurfaceFormat::off:
-        return write_off(out, surface, l);
-      case SurfaceFormat::obj:
-        return write_obj(out, surface, l);
-      case SurfaceFormat::ply:
-        return write_ply(out, surface, l);
-    }
-  });
+  return io_detail::write_file(path, context,
+                               [&](TextWriter& out) { io_detail::print_surface(out, surface, format, l); });
 }
 
 }  // namespace overtet

@@ -60,13 +60,14 @@ std::vector<Part> parts_for(const std::string& path, TetFormat format, bool boun
 }
 
 // All files are complete before the first gets its name.
-Status write_parts(const std::vector<Part>& parts, const TetView& view) {
+Status write_parts(const std::vector<Part>& parts, const TetView& view, const RunContext& context) {
   std::vector<AtomicFile> files(parts.size());
   for (std::size_t i = 0; i < parts.size(); ++i)
     if (Status s = fill(files[i], parts[i].path, [&](TextWriter& w) { parts[i].write(w, view); }); !s)
       return s;
   for (AtomicFile& file : files)
     if (Status s = file.sync(); !s) return s;
+  if (auto why = context.no_name()) return *why;
   for (AtomicFile& file : files)
     if (Status s = file.commit(); !s) return s;
   return success();
@@ -125,7 +126,7 @@ Status write_tets(const std::string& path, const TetMesh& mesh, const MeshAttrib
   const TetView view(mesh, attributes, options.order);
   if (view.vertices() > std::int64_t{std::numeric_limits<Index>::max()})
     return Error{ErrorCode::usage, "The mesh of order 2 has more vertices than can be numbered."};
-  return write_parts(parts_for(path, options.format, view.triangles() > 0), view);
+  return write_parts(parts_for(path, options.format, view.triangles() > 0), view, context);
 }
 
 }  // namespace overtet

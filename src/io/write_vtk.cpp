@@ -70,10 +70,20 @@ std::string one_word(std::string_view name) {
   return out.empty() ? "_" : out;
 }
 
+// The nearest number that the type has; 0 for NaN. (A file may say that 300 is a byte.)
+template <class T>
+T nearest(double x) {
+  if constexpr (std::is_floating_point_v<T>) return static_cast<T>(x);
+  constexpr double low = static_cast<double>(std::numeric_limits<T>::lowest()),
+                   high = static_cast<double>(std::numeric_limits<T>::max());
+  if (!(x > low)) return std::isnan(x) ? T{0} : std::numeric_limits<T>::lowest();
+  return x >= high ? std::numeric_limits<T>::max() : static_cast<T>(x);
+}
+
 template <class T>
 std::vector<T> as_type(const std::vector<double>& values) {
   std::vector<T> out(values.size());
-  std::transform(values.begin(), values.end(), out.begin(), [](double x) { return static_cast<T>(x); });
+  std::transform(values.begin(), values.end(), out.begin(), nearest<T>);
   return out;
 }
 
@@ -207,7 +217,7 @@ void legacy_number(TextBuffer& line, const Attribute& a, std::size_t i) {
   else if (a.type == NumberType::float32)
     line.number(double{static_cast<float>(x)});
   else
-    line.number(static_cast<std::int64_t>(x));
+    line.number(nearest<std::int64_t>(x));
 }
 
 void legacy_field(TextWriter& out, const std::vector<Attribute>& list) {

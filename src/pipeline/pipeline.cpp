@@ -14,6 +14,7 @@
 #include "src/opening/opening.h"
 #include "src/pipeline/mesh_or_repair.h"
 #include "src/pipeline/stage_clock.h"
+#include "src/run/exceptions.h"
 #include "src/run/run_monitor.h"
 
 namespace overtet {
@@ -144,12 +145,9 @@ PipelineResult run_pipeline(const Surface& surface, const MeshingOptions& option
       hand_over(surface, options, watch.context(), std::move(meshed).value(), result);
     else
       fail(watch.explained(meshed.error()), result);
-  } catch (const std::bad_alloc&) {
+  } catch (const std::exception&) {
     result.mesh = {};
-    fail({ErrorCode::limit, "There is not enough memory for this model."}, result);
-  } catch (const std::exception& e) {
-    result.mesh = {};
-    fail({ErrorCode::internal, std::string("Internal error, please report it: ") + e.what() + "."}, result);
+    fail(watch.explained(error_of_exception()), result);
   }
   result.report.seconds = seconds_since(start);
   result.report.peak_rss_bytes = watch.peak_bytes();

@@ -8,6 +8,7 @@
 #include "overtet/report.h"
 #include "overtet/version.h"
 #include "src/io/file.h"
+#include "src/io/text.h"
 #include "src/pipeline/result_hash.h"
 
 namespace overtet {
@@ -48,7 +49,8 @@ Result<StageFiles> StageFiles::open(const std::string& folder, const std::string
     return Error{ErrorCode::bad_input, index_of(folder) + " is not a record of saved stages."};
   if (j["version"].get<std::string>() != version())
     return Error{ErrorCode::bad_input, "The stages in " + folder + " come from Overtet " +
-                                           j["version"].get<std::string>() + "; this is " + version() + "."};
+                                           overtet::quoted(j["version"].get<std::string>()) + "; this is " +
+                                           version() + "."};
   if (j["input_hash"].get<std::string>() != input_hash)
     return Error{ErrorCode::bad_input, "The stages in " + folder + " belong to another input."};
   for (const Json& name : j["stages"])

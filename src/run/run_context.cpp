@@ -8,6 +8,8 @@
 #include <limits>
 #include <string>
 
+#include "kernels/core/tuning.h"
+#include "src/run/tuning.h"
 #include "src/run/usable.h"
 
 namespace overtet {
@@ -47,6 +49,12 @@ std::optional<Error> RunContext::stop() const {
   return std::nullopt;
 }
 
+std::optional<Error> RunContext::no_name() const {
+  if (!may_name || may_name()) return std::nullopt;
+  if (auto why = stop()) return why;
+  return Error{ErrorCode::interrupted, "Interrupted; nothing was written."};
+}
+
 std::optional<Error> RunContext::no_room_for(std::size_t bytes) const {
   if (memory_limit_bytes == 0) return std::nullopt;
   const std::size_t now = resident_bytes();
@@ -79,6 +87,13 @@ std::size_t usable_memory_bytes() {
   }
   if (const auto slurm = slurm_memory_bytes()) usable = std::min(usable, static_cast<std::size_t>(*slurm));
   return usable == none ? 0 : usable;
+}
+
+std::chrono::microseconds look_again_after(std::size_t bytes) {
+  using std::chrono::microseconds;
+  constexpr auto longest = std::chrono::duration_cast<microseconds>(kLookPeriod);
+  const microseconds filled(static_cast<std::int64_t>(1e6 * static_cast<double>(bytes) / kFillRate));
+  return std::clamp(filled, kShortestLook, longest);
 }
 
 double RunContext::seconds_left() const {

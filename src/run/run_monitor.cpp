@@ -17,14 +17,32 @@ namespace overtet {
 
 namespace {
 
-std::size_t resident_bytes(long process) {
+struct Pages {
+  unsigned long mapped = 0, resident = 0;
+};
+
+Pages pages_of(long process) {
+  Pages pages;
   const std::string path = "/proc/" + std::to_string(process) + "/statm";
   std::FILE* file = std::fopen(path.c_str(), "r");
-  if (!file) return 0;
-  unsigned long total = 0, resident = 0;
-  const int got = std::fscanf(file, "%lu %lu", &total, &resident);
+  if (!file) return pages;
+  if (std::fscanf(file, "%lu %lu", &pages.mapped, &pages.resident) != 2) pages = {};
   std::fclose(file);
-  return got == 2 ? resident * static_cast<std::size_t>(sysconf(_SC_PAGESIZE)) : 0;
+  return pages;
+}
+
+std::string program_of(long process) {
+  char path[512];
+  const ssize_t n = readlink(("/proc/" + std::to_string(process) + "/exe").c_str(), path, sizeof path);
+  return n > 0 ? std::string(path, static_cast<std::size_t>(n)) : std::string();
+}
+
+// Until a new process runs its own program it has the pages of its parent, and they must not count twice.
+bool shares_pages(long child, const Pages& its, long parent) {
+  const Pages of_parent = pages_of(parent);
+  const unsigned long more = std::max(its.mapped, of_parent.mapped),
+                      less = std::min(its.mapped, of_parent.mapped);
+  return more - less <= more / 64 && program_of(child) == program_of(parent);
 }
 
 // The children of each thread of a process.
@@ -47,13 +65,15 @@ void children_of(long process, std::vector<long>& out) {
 }  // namespace
 
 std::size_t tree_resident_bytes() {
-  std::vector<long> processes = {static_cast<long>(getpid())};
-  std::size_t sum = 0;
+  std::vector<long> processes = {static_cast<long>(getpid())}, parents = {-1};
+  std::size_t pages = 0;
   for (std::size_t i = 0; i < processes.size() && i < 64; ++i) {
-    sum += resident_bytes(processes[i]);
+    const Pages its = pages_of(processes[i]);
+    if (parents[i] < 0 || !shares_pages(processes[i], its, parents[i])) pages += its.resident;
     children_of(processes[i], processes);
+    parents.resize(processes.size(), processes[i]);
   }
-  return sum;
+  return pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
 }
 
 RunMonitor::RunMonitor(const RunContext& outer)
@@ -80,7 +100,7 @@ RunMonitor::~RunMonitor() {
   thread_.join();
 }
 
-void RunMonitor::look() {
+std::size_t RunMonitor::look() {
   const std::size_t now = tree_resident_bytes();
   if (now > peak_) peak_ = now;
   // A stage that begins meanwhile sets it to 0; what is in use now counts for either.
@@ -90,11 +110,17 @@ void RunMonitor::look() {
     stop_ = true;
   }
   if (outer_cancel_ && outer_cancel_->load(std::memory_order_relaxed)) stop_ = true;
+  return now;
 }
 
 void RunMonitor::watch() {
   std::unique_lock lock(mutex_);
-  while (!wake_.wait_for(lock, kLookPeriod, [this] { return ended_; })) look();
+  std::size_t used = 0;
+  const auto rest = [&] { return used < limit_ ? limit_ - used : 0; };
+  const auto pause = [&] {
+    return limit_ == 0 || stop_ ? std::chrono::microseconds(kLookPeriod) : look_again_after(rest());
+  };
+  while (!wake_.wait_for(lock, pause(), [this] { return ended_; })) used = look();
 }
 
 std::size_t RunMonitor::peak_bytes() const {
@@ -107,7 +133,8 @@ std::size_t RunMonitor::peak_bytes() const {
 }
 
 Error RunMonitor::explained(Error error) const {
-  if (error.code == ErrorCode::interrupted && memory_exceeded_ &&
+  const bool short_of_memory = error.code == ErrorCode::limit && error.reason == ErrorReason::none;
+  if ((error.code == ErrorCode::interrupted || short_of_memory) && memory_exceeded_ &&
       !(outer_cancel_ && outer_cancel_->load(std::memory_order_relaxed)))
     return {.code = ErrorCode::limit,
             .message = "The memory limit of " + std::to_string(limit_ >> 20) + " MiB was reached.",

@@ -26,11 +26,12 @@ class RunMonitor {
   bool memory_exceeded() const { return memory_exceeded_; }
   std::size_t peak_bytes() const;  // largest of all samples, and of each process by itself
 
-  // An "interrupted" that was really the memory limit becomes a limit error.
+  // An "interrupted" that was really the memory limit becomes a limit error, and so does an allocation that
+  // failed over it.
   Error explained(Error error) const;
 
  private:
-  void look();
+  std::size_t look();  // what is in use
   void watch();
 
   RunContext inner_;

@@ -916,7 +916,7 @@ TEST_F(CliPipes, AnOutputPipeThatIsNotReadIgnoredSignals) {
     ASSERT_TRUE(fills(reader));
     p->signal(number);
     EXPECT_EQ(p->wait(60), 128 + number);
-    EXPECT_EQ(said(), "overtet: Interrupted.\n");
+    EXPECT_EQ(said().rfind("overtet: Interrupted", 0), 0u) << said();
     ::close(reader);
   }
 }

@@ -51,6 +51,17 @@ class Scripts(unittest.TestCase):
         with open(report, encoding="utf-8") as file:
             return json.load(file), model, mesh
 
+    def test_limits_are_measured(self):
+        """Limits that fall into a run; by how much they are missed belongs to no test."""
+        result = os.path.join(self.folder.name, "limits.json")
+        run = script(os.path.join(SOURCE, "perf/limits/limits"), "--program", PROGRAM, "--commands", "mesh,inspect", "--points", "2",
+                     "--repeat", "1", "--shortest", "0.01", "--least", "1", "--allow", "1e9", "--json", result, self.worm)
+        self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
+        with open(result, encoding="utf-8") as file:
+            rows = json.load(file)
+        self.assertEqual({row["kind"] for row in rows}, {"time", "memory"})
+        self.assertIn("memory: ", run.stdout)
+
     def test_tangles_with_high_windings_are_meshed(self):
         for tori, turns, least in ((3, 2, 5), (1, 7, 7)):
             data = self.made_and_meshed("make_tangle", str(tori), str(turns), "2000", and_then=("--improve", "0"))[0]["input"]

@@ -1,0 +1,12 @@
+# Writes what `overtet manual` and `overtet completion` print into FOLDER. PROGRAM: the program; COMMANDS: a list.
+file(MAKE_DIRECTORY ${FOLDER})
+function(print_to file)
+  execute_process(COMMAND ${PROGRAM} ${ARGN} OUTPUT_FILE ${FOLDER}/${file} COMMAND_ERROR_IS_FATAL ANY)
+endfunction()
+print_to(overtet.1 manual)
+foreach(command ${COMMANDS})
+  print_to(overtet-${command}.1 manual ${command})
+endforeach()
+print_to(overtet completion bash)
+print_to(_overtet completion zsh)
+print_to(overtet.fish completion fish)

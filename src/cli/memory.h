@@ -1,0 +1,32 @@
+// What the program does where there is no memory left: it says so and ends with exit code 6, wherever that
+// is.
+#pragma once
+
+#include <string_view>
+
+#include "overtet/result.h"
+
+namespace overtet {
+
+// GMP would abort where an allocation fails; it throws from here on, like everything else. An exception that
+// nobody may catch any more (one that leaves a destructor, or a thread) ends the program with a sentence, and
+// so does a library that calls exit() (libgomp, OpenBLAS) before leaving() was called.
+void install_memory_handlers();
+void leaving();
+// Says so and ends the program; takes no memory.
+[[noreturn]] void end_for_memory(std::string_view words);
+
+// The exception that is being handled, as an error.
+Error caught_error();
+
+// f(), which returns a Result; what it throws comes back as an error.
+template <class F>
+auto caught(F&& f) -> decltype(f()) {
+  try {
+    return f();
+  } catch (...) {
+    return caught_error();
+  }
+}
+
+}  // namespace overtet

@@ -1,0 +1,32 @@
+// Exceptions that standard containers and libraries throw, as errors. Internal to the library.
+#pragma once
+
+#include <exception>
+#include <new>
+#include <string>
+#include <system_error>
+
+#include "overtet/result.h"
+
+namespace overtet {
+
+// Of the exception that is being handled.
+inline Error error_of_exception() {
+  const auto internal = [](const std::exception& e) {
+    return Error{ErrorCode::internal, std::string("Internal error, please report it: ") + e.what() + "."};
+  };
+  try {
+    throw;
+  } catch (const std::bad_alloc&) {
+    return {ErrorCode::limit, "There is not enough memory for this model."};
+  } catch (const std::system_error& e) {
+    // Of threads that cannot be started.
+    if (e.code() == std::errc::resource_unavailable_try_again || e.code() == std::errc::not_enough_memory)
+      return {ErrorCode::limit, "There is not enough memory, or there are too many threads."};
+    return internal(e);
+  } catch (const std::exception& e) {
+    return internal(e);
+  }
+}
+
+}  // namespace overtet
