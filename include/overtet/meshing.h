@@ -6,7 +6,8 @@
 // around every interior edge they make exactly one turn. Tets overlap in space where the surface does. With
 // OnInfeasible::repair all of this holds for the surface with the vertices in `moved` at their new places,
 // with OnInfeasible::refine for the surface `refined`; with OnInfeasible::branch all but the one turn around
-// the edges in `branch_edges`, which are inside.
+// the edges in `branch_edges`, which are inside. The one exception is asked for by name: with allow_flips the
+// tets in `flipped_tets` are not positive, and nothing is said of turns.
 //
 // Same surface and options: same mesh, to the byte, on any number of threads, as long as no deadline cuts the
 // stage short (which is logged). Source: Sacht et al., "Consistent Volumetric Discretizations Inside
@@ -28,7 +29,30 @@ namespace overtet {
 
 enum class Preset {
   standard,  // the immersion route, then the flow route if that finds no mesh
-  flow       // the flow route only
+  flow,      // the flow route only
+  paper      // the paper's recipe to the letter (PaperRecipe): no ladder of settings, nothing that unlocks
+};
+
+// Preset::paper, piece by piece, with the paper's parameters (Sacht et al. 2013, sections 4 and 5). The other
+// piece of each kind is what the flow route uses, in its first setting.
+struct PaperRecipe {
+  enum class Forward {
+    global,   // all vertices, plain cotangent weights
+    regional  // only what is near a crossing
+  } forward = Forward::global;
+  enum class Reverse {
+    pins,    // vertices of faces that would meet are put back and held, and pushed apart in the next step
+    barrier  // faces are kept apart by a barrier
+  } reverse = Reverse::pins;
+  enum class Map {
+    lim,   // locally injective mappings; tets never flip, but the boundary may not come home
+    arap,  // volumetric as-rigid-as-possible: the boundary at home, but tets may be flipped
+    pull   // that of the flow route
+  } map = Map::lim;
+  double delta = 1e-4;      // forward time step at unit area
+  double repulsion = 1000;  // of faces that would meet; the paper: 1 to 1000
+  double radius_edge = 2;   // of TetGen's tets
+  int remesh_every = 100;   // iterations of lim between TetGen's coarsen-and-refine; 0: never
 };
 enum class OnInfeasible {
   reject,
@@ -60,6 +84,12 @@ struct TetSizes {
 
 struct MeshingOptions {
   Preset preset = Preset::standard;
+  PaperRecipe recipe;  // of Preset::paper
+  // What Preset::paper may leave wrong, and is otherwise an error that counts it. With allow_branches
+  // interior edges around which the tets make two turns or more; with allow_flips tets that are not positive,
+  // too. Both are listed (Meshing::branch_edges, flipped_tets), and a surface that has no mesh without them
+  // is tried.
+  bool allow_branches = false, allow_flips = false;
   OnInfeasible on_infeasible = OnInfeasible::reject;
   double max_repair_move = 0.06;  // of a vertex, relative to the diagonal of the bounding box; up to 1
   double improve_degrees = 17;  // smallest dihedral angle that the quality pass aims at, 0 to 40; 0: no pass
@@ -76,8 +106,10 @@ struct Meshing {
   std::vector<Index> moved;      // vertices of the surface that a repair has moved, sorted
   double max_relative_move = 0;  // the largest move over the diagonal of the bounding box
   RefinedSurface refined;        // of OnInfeasible::refine, where faces were subdivided; else empty
-  std::vector<std::array<Index, 2>> branch_edges;  // of OnInfeasible::branch: vertices of the mesh, a < b
-  std::string hash;                                // of the mesh's vertices and tets: 16 hexadecimal digits
+  // Of OnInfeasible::branch and allow_branches: vertices of the mesh, a < b.
+  std::vector<std::array<Index, 2>> branch_edges;
+  std::vector<Index> flipped_tets;  // of allow_flips: those that are not positive; sorted
+  std::string hash;                 // of the mesh's vertices and tets: 16 hexadecimal digits
 };
 
 // report: receives what the run did, even if there is no mesh. The caller fills in its `options`,

@@ -22,6 +22,7 @@ enum class RunStatus {
   repaired,
   refined,
   branched,
+  flipped,
   infeasible,
   unsolved,
   bad_input,
@@ -93,6 +94,7 @@ struct Report {
   std::int64_t added_vertices = 0;      // of the refined surface
   std::vector<Index> face_of_piece;     // and of each face of the refined surface the input's
   std::vector<std::array<Index, 2>> branch_edges;  // of `branched`: vertices of the mesh, a < b, sorted
+  std::vector<Index> flipped_tets;                 // of `flipped`: tets that are not positive, sorted
   std::optional<MovedAngles> moved_angles;         // of a repaired surface's mesh
   std::vector<StageRecord> stages;
   std::optional<TetQuality> quality;

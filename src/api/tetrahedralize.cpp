@@ -16,6 +16,7 @@ Result<Meshing> tetrahedralize(const Surface& surface, const MeshingOptions& opt
   made.max_relative_move = told.max_relative_move;
   made.refined = std::move(run.refined);
   made.branch_edges = std::move(told.branch_edges);
+  made.flipped_tets = std::move(told.flipped_tets);
   made.hash = std::move(told.result_hash);
   return made;
 }

@@ -26,10 +26,12 @@
 
 #include "kernels/core/triangles.h"
 #include "kernels/core/tuning.h"
+#include "src/cdt/manifold.h"
 #include "src/cdt/tetgen_helper.h"
 #include "src/cdt/tetgen_wire.h"
 #include "src/cdt/tuning.h"
 #include "src/cdt/unsolved.h"
+#include "src/mesh/tet_complex.h"
 
 extern char** environ;
 
@@ -306,6 +308,8 @@ struct Question {
   const VertexMatrix& V;
   const TriangleMatrix& F;
   const VertexMatrix& holes;
+  TetMatrix T = {};                              // of coarsen-and-refine
+  std::vector<std::array<Index, 2>> edges = {};  // of F, then
 };
 
 Request request_of(const Plc& plc, const TetgenOptions& options) {
@@ -333,7 +337,9 @@ Result<bool> converse(Child& child, const Question& question, const RunContext& 
        {std::pair<const void*, std::size_t>{&question.request, sizeof question.request},
         {question.V.data(), sizeof(double) * question.V.size()},
         {question.F.data(), sizeof(Index) * question.F.size()},
-        {question.holes.data(), sizeof(double) * question.holes.size()}})
+        {question.holes.data(), sizeof(double) * question.holes.size()},
+        {question.T.data(), sizeof(Index) * question.T.size()},
+        {question.edges.data(), sizeof(question.edges[0]) * question.edges.size()}})
     if (auto sent = child.send(data, bytes, context); !sent.ok() || !sent.value()) return sent;
   if (auto got = receive(&reply, sizeof reply); !got.ok() || !got.value()) return got;
   if (reply.magic != tetgen_wire::kMagic) return false;
@@ -483,6 +489,52 @@ Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options
   result.seconds = std::chrono::duration<double>(RunContext::Clock::now() - begin).count();
   result.peak_rss_bytes = static_cast<std::size_t>(child.usage().ru_maxrss) * 1024;
   return result;
+}
+
+Result<TetMesh> coarsen_and_refine(const TetMesh& mesh, double radius_edge, const RunContext& context) {
+  TetgenOptions options;
+  options.radius_edge = radius_edge;
+  if (auto status = options.validate(); !status.ok()) return status.error();
+  Plc plc;
+  plc.V = mesh.V;
+  std::vector<std::array<Index, 2>> edges;
+  {
+    const std::vector<std::array<Index, 3>> faces = TetComplex(mesh.V, mesh.T).boundary();
+    plc.F.resize(static_cast<Eigen::Index>(faces.size()), 3);
+    for (std::size_t f = 0; f < faces.size(); ++f)
+      for (int k = 0; k < 3; ++k) {
+        const Index a = faces[f][k], b = faces[f][(k + 1) % 3];
+        plc.F(static_cast<Eigen::Index>(f), k) = a;
+        if (a < b) edges.push_back({a, b});
+      }
+  }
+  int exponent = 0;
+  std::frexp(plc.V.cwiseAbs().maxCoeff(), &exponent);
+  const VertexMatrix V = scaled(plc.V, -exponent);
+  Request request = request_of(plc, options);
+  request.tets = mesh.T.rows();
+  request.edges = static_cast<std::int64_t>(edges.size());
+  request.kept_vertices = mesh.surface_vertices;
+
+  Child child;
+  if (auto status = child.start(context); !status.ok()) return status.error();
+  Reply reply;
+  reply.magic = 0;
+  TetgenResult result;
+  const Result<bool> talk =
+      converse(child, {request, V, plc.F, plc.holes, mesh.T, std::move(edges)}, context, reply, result);
+  if (!talk.ok()) return talk.error();
+  const int status = child.reap();
+  if (!talk.value() || reply.magic != tetgen_wire::kMagic) return explain_end(status, context);
+  if (auto error = refusal(reply)) return *error;
+  plc.V.conservativeResize(mesh.surface_vertices, 3);
+  if (auto error = take_vertices(plc, options, exponent, result)) return *error;
+  if (auto error = take_facets(plc, options, result)) return *error;
+  if ((result.neighbours.array() < 0).count() != plc.F.rows())
+    return unsolved("TetGen changed the boundary.");
+  TetMesh made{std::move(result.V), std::move(result.T), mesh.surface_vertices};
+  if (const auto split = make_manifold(made, result.neighbours); !split) return split.error();
+  return made;
 }
 
 }  // namespace overtet

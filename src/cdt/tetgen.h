@@ -70,6 +70,15 @@ bool worth_refining(const VertexMatrix& V, const TriangleMatrix& F);
 // might do with more patience), internal (the child program is missing).
 Result<TetgenResult> tetrahedralize(const Plc& plc, const TetgenOptions& options, const RunContext& context);
 
+// TetGen's coarsen-and-refine of a tet mesh that may overlap itself: all vertices from mesh.surface_vertices
+// on are taken out, as far as flips can, and new ones put in until radius_edge holds; the boundary stays.
+// Works on the tets as a complex, and by geometry around each place only, so that around edges inside the
+// tets may make more turns afterwards than before. What TetGen makes twice is taken apart, so that the tets
+// stay a manifold (src/cdt/manifold.h). Guaranteed: every tet exactly positive; the first vertices, and the
+// faces of the boundary, unchanged to the last bit. Errors: unsolved (TetGen crashed, gave up or changed the
+// boundary), limit, interrupted, internal. pre: every tet is positive.
+Result<TetMesh> coarsen_and_refine(const TetMesh& mesh, double radius_edge, const RunContext& context);
+
 // The same, several times where TetGen fails. Whether it finds its way through nearly degenerate facets
 // depends on the order in which it sees the points, too, so the attempts turn the axes and shuffle the points
 // (always in the same way), until several have not come to an end. The geometry stays the same to the last

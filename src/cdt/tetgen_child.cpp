@@ -74,16 +74,40 @@ class Input {
         points_(3 * request.vertices),
         corners_(3 * request.facets),
         holes_(3 * request.holes),
+        tets_(4 * request.tets),
+        edges_(2 * request.edges),
         polygons_(request.facets),
         facets_(request.facets),
         markers_(request.facets) {
     if (!read_all(points_.data(), points_.size() * sizeof(double)) ||
         !read_all(corners_.data(), corners_.size() * sizeof(std::int32_t)) ||
-        !read_all(holes_.data(), holes_.size() * sizeof(double)))
+        !read_all(holes_.data(), holes_.size() * sizeof(double)) ||
+        !read_all(tets_.data(), tets_.size() * sizeof(std::int32_t)) ||
+        !read_all(edges_.data(), edges_.size() * sizeof(std::int32_t)))
       finish({});
     in.firstnumber = 0;
     in.numberofpoints = static_cast<int>(request.vertices);
     in.pointlist = points_.data();
+    if (request.tets > 0)
+      take_tets(request);
+    else
+      take_facets(request);
+    in.numberofholes = static_cast<int>(request.holes);
+    in.holelist = holes_.data();
+  }
+  // TetGen must not free what is not its own.
+  ~Input() {
+    in_.pointlist = in_.holelist = nullptr;
+    in_.facetlist = nullptr;
+    in_.facetmarkerlist = in_.pointmarkerlist = nullptr;
+    in_.tetrahedronlist = in_.trifacelist = in_.trifacemarkerlist = nullptr;
+    in_.edgelist = in_.edgemarkerlist = nullptr;
+  }
+  Input(const Input&) = delete;
+  Input& operator=(const Input&) = delete;
+
+ private:
+  void take_facets(const Request& request) {
     for (std::int64_t f = 0; f < request.facets; ++f) {
       polygons_[f].numberofvertices = 3;
       polygons_[f].vertexlist = corners_.data() + 3 * f;
@@ -92,33 +116,44 @@ class Input {
       facets_[f].numberofpolygons = 1;
       markers_[f] = static_cast<int>(f) + 1;
     }
-    in.numberoffacets = static_cast<int>(request.facets);
-    in.facetlist = facets_.data();
-    in.facetmarkerlist = markers_.data();
-    in.numberofholes = static_cast<int>(request.holes);
-    in.holelist = holes_.data();
+    in_.numberoffacets = static_cast<int>(request.facets);
+    in_.facetlist = facets_.data();
+    in_.facetmarkerlist = markers_.data();
   }
-  // TetGen must not free what is not its own.
-  ~Input() {
-    in_.pointlist = in_.holelist = nullptr;
-    in_.facetlist = nullptr;
-    in_.facetmarkerlist = nullptr;
-  }
-  Input(const Input&) = delete;
-  Input& operator=(const Input&) = delete;
 
- private:
+  // TetGen joins faces of one plane and one marker, and flips the edges between them, even with -Y: so every
+  // face and every edge of the boundary has a marker of its own.
+  void take_tets(const Request& request) {
+    in_.numberofcorners = 4;
+    in_.numberoftetrahedra = static_cast<int>(request.tets);
+    in_.tetrahedronlist = tets_.data();
+    for (std::int64_t f = 0; f < request.facets; ++f) markers_[f] = static_cast<int>(f) + 1;
+    in_.numberoftrifaces = static_cast<int>(request.facets);
+    in_.trifacelist = corners_.data();
+    in_.trifacemarkerlist = markers_.data();
+    edge_markers_.resize(request.edges);
+    for (std::int64_t e = 0; e < request.edges; ++e) edge_markers_[e] = static_cast<int>(e) + 1;
+    in_.numberofedges = static_cast<int>(request.edges);
+    in_.edgelist = edges_.data();
+    in_.edgemarkerlist = edge_markers_.data();
+    point_markers_.assign(request.vertices, 1);
+    for (std::int64_t v = request.kept_vertices; v < request.vertices; ++v)
+      point_markers_[v] = -1;  // out with it
+    in_.pointmarkerlist = point_markers_.data();
+  }
+
   tetgenio& in_;
   std::vector<double> points_;
   std::vector<std::int32_t> corners_;
   std::vector<double> holes_;
+  std::vector<std::int32_t> tets_, edges_;
   std::vector<tetgenio::polygon> polygons_;
   std::vector<tetgenio::facet> facets_;
-  std::vector<int> markers_;
+  std::vector<int> markers_, edge_markers_, point_markers_;
 };
 
 void set_up(const Request& request, tetgenbehavior& behaviour) {
-  std::string switches = "pnQ";
+  std::string switches = request.tets > 0 ? "rRnQ" : "pnQ";
   char text[40];
   if (request.keep_facets) switches += "Y";
   if (request.fill_convex_hull) switches += "c";

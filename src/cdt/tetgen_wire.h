@@ -8,7 +8,9 @@ namespace overtet::tetgen_wire {
 
 constexpr std::uint32_t kMagic = 0x4f54475au;
 
-// Followed by V (3 doubles each), F (3 int32 each), holes (3 doubles each).
+// Followed by V (3 doubles each), F (3 int32 each), holes (3 doubles each). With tets (coarsen-and-refine; F
+// is then their boundary) also by these (4 int32 each) and by the edges of the boundary (2 int32 each).
+// More than 12 members: a header as it goes from one process to the other.
 struct Request {
   std::uint32_t magic = kMagic;
   std::uint32_t quality = 0;
@@ -20,6 +22,8 @@ struct Request {
   std::int64_t most_points = 0;   // that may be added; 0: any number
   std::int64_t largest_star = 0;  // of tets around an edge that flips take apart; 0: any
   std::int64_t most_predicates = 0;
+  std::int64_t tets = 0, edges = 0;
+  std::int64_t kept_vertices = 0;  // with tets: those that follow are taken out first
   double radius_edge = 0;
   double tolerance = 0;
 };

@@ -73,6 +73,28 @@ void add_order(CLI::App* command, int& order) {
       ->capture_default_str();
 }
 
+void add_recipe(CLI::App* command, MeshCommand& mesh) {
+  command
+      ->add_option("--forward", mesh.forward,
+                   "Of --preset paper: which vertices flow, global (all) or regional (near crossings)")
+      ->check(CLI::IsMember({"global", "regional"}));
+  command
+      ->add_option("--reverse", mesh.reverse,
+                   "Of --preset paper: what keeps faces apart on the way back, pins or a barrier")
+      ->check(CLI::IsMember({"pins", "barrier"}));
+  command
+      ->add_option("--map", mesh.map,
+                   "Of --preset paper: lim (locally injective mappings), arap (volumetric; may flip tets) or "
+                   "pull (that of --preset flow)")
+      ->check(CLI::IsMember({"lim", "arap", "pull"}));
+  command->add_flag("--allow-branches", mesh.allow_branches,
+                    "Of --preset paper: write a mesh with two turns around some edges inside, too");
+  command->add_flag(
+      "--allow-flips", mesh.allow_flips,
+      "Of --preset paper: write a mesh with tets that are not positive, too; the exit code is 4 "
+      "all the same");
+}
+
 CLI::App* add_mesh(CLI::App& app, MeshCommand& mesh) {
   CLI::App* command = app.add_subcommand("mesh", "Make a tet mesh of a surface");
   command->add_option("INPUT", mesh.input, surface_help())->required();
@@ -102,16 +124,18 @@ CLI::App* add_mesh(CLI::App& app, MeshCommand& mesh) {
       ->check(between(1e-6, 100))
       ->capture_default_str();
   command
-      ->add_option("--preset", mesh.preset,
-                   "default: the immersion route, then the others if that finds no mesh; flow (or "
-                   "paper): the flow route only")
+      ->add_option(
+          "--preset", mesh.preset,
+          "default: the immersion route, then the others if that finds no mesh; flow: the flow route "
+          "only; paper: the recipe of Sacht et al. 2013 to the letter, which often ends unsolved")
       ->check(CLI::IsMember({"default", "flow", "paper"}))
       ->capture_default_str();
+  add_recipe(command, mesh);
   command
       ->add_option("--improve", mesh.improve_degrees,
-                   "Smallest dihedral angle that the quality pass aims at, in degrees; 0: no quality pass")
-      ->check(between(0, 40))
-      ->capture_default_str();
+                   "Smallest dihedral angle that the quality pass aims at, in degrees; 0: no quality pass "
+                   "(default: 17, with --preset paper 0)")
+      ->check(between(0, 40));
   command->add_option(
       "--save-surface", mesh.save_surface,
       "Write the surface that the mesh is of to this file, repaired or refined: .off, .obj or .ply");

@@ -20,15 +20,25 @@ namespace overtet {
 
 namespace {
 
+// The paper has no quality pass.
+double improve_degrees(const MeshCommand& c) {
+  return c.improve_degrees.value_or(c.preset == "paper" ? 0 : MeshingOptions().improve_degrees);
+}
+
 std::vector<Figure> options_of(const MeshCommand& c, const CommonOptions& common, TetFormat format) {
   std::vector<Figure> o = {{"input", c.input},
                            {"output", c.output},
                            {"format", std::string(name_of(format))},
                            {"preset", c.preset},
                            {"on_infeasible", c.on_infeasible},
-                           {"improve", c.improve_degrees},
+                           {"improve", improve_degrees(c)},
                            {"order", std::int64_t{c.order}},
                            {"threads", std::int64_t{common.threads}}};
+  for (const auto& [name, piece] :
+       {std::pair{"forward", &c.forward}, {"reverse", &c.reverse}, {"map", &c.map}})
+    if (!piece->empty()) o.emplace_back(name, *piece);
+  if (c.allow_branches) o.emplace_back("allow_branches", true);
+  if (c.allow_flips) o.emplace_back("allow_flips", true);
   if (common.time_limit > 0) o.emplace_back("time_limit", common.time_limit);
   if (common.memory_limit > 0) o.emplace_back("memory_limit", common.memory_limit);
   if (!c.save_surface.empty()) o.emplace_back("save_surface", c.save_surface);
@@ -80,6 +90,10 @@ std::string what_was_changed(const MeshCommand& c, const Report& r) {
   if (r.status == RunStatus::branched)
     return " The surface is as it was; around " + counted(r.branch_edges.size(), "interior edge") +
            " the tets make two turns or more (the report lists them; overtet verify --allow-branches).";
+  if (r.status == RunStatus::flipped)
+    return " " + counted(r.flipped_tets.size(), "tet is", "tets are") + " not positive, of " +
+           std::to_string(r.quality ? r.quality->tets : 0) +
+           ": this is not a mesh that solvers can use (the report lists them; overtet verify says R4).";
   if (r.status != RunStatus::repaired) return {};
   std::string text = " The surface was repaired: " + std::to_string(r.moved_vertices) +
                      (r.moved_vertices == 1 ? " vertex" : " vertices") + " moved, by " +
@@ -126,20 +140,28 @@ std::string what_reads_faster(const Meshing& m, TetFormat format) {
 std::string what_was_made(const MeshCommand& c, const Meshing& m, const Report& report) {
   return c.output + ": " + std::to_string(m.mesh.V.rows()) + " vertices, " + std::to_string(m.mesh.T.rows()) +
          " tets, smallest dihedral angle " + plain(m.quality.dihedral_min, 2) + " degrees (" +
-         plain(m.quality.dihedral_p01, 1) + " at 1 %), checked exactly, " + plain(report.seconds, 1) + " s" +
+         plain(m.quality.dihedral_p01, 1) + " at 1 %), " +
+         (report.status == RunStatus::flipped ? "NOT exact, " : "checked exactly, ") +
+         plain(report.seconds, 1) + " s" +
          (report.status == RunStatus::repaired ? time_by_stage(report) : std::string()) + "." +
          what_was_changed(c, report);
 }
 
 MeshingOptions meshing_options(const MeshCommand& c) {
   MeshingOptions o;
-  o.preset = c.preset == "default" ? Preset::standard : Preset::flow;
+  o.preset = c.preset == "default" ? Preset::standard : c.preset == "flow" ? Preset::flow : Preset::paper;
+  if (c.forward == "regional") o.recipe.forward = PaperRecipe::Forward::regional;
+  if (c.reverse == "barrier") o.recipe.reverse = PaperRecipe::Reverse::barrier;
+  if (c.map == "arap") o.recipe.map = PaperRecipe::Map::arap;
+  if (c.map == "pull") o.recipe.map = PaperRecipe::Map::pull;
+  o.allow_branches = c.allow_branches;
+  o.allow_flips = c.allow_flips;
   o.on_infeasible = c.on_infeasible == "repair"   ? OnInfeasible::repair
                     : c.on_infeasible == "refine" ? OnInfeasible::refine
                     : c.on_infeasible == "branch" ? OnInfeasible::branch
                                                   : OnInfeasible::reject;
   o.max_repair_move = c.max_move / 100;
-  o.improve_degrees = c.improve_degrees;
+  o.improve_degrees = improve_degrees(c);
   o.sizes.max_volume = c.sizes.max_volume;
   o.sizes.max_edge = c.sizes.max_edge;
   o.sizes.coarse = c.sizes.coarse;
@@ -272,6 +294,16 @@ Status check_names(const MeshCommand& command, const std::vector<std::string>& o
 }  // namespace
 
 int run(const MeshCommand& command, const CommonOptions& common, Terminal& terminal) {
+  const bool pieces = !command.forward.empty() || !command.reverse.empty() || !command.map.empty();
+  if (pieces && command.preset != "paper")
+    return fail(terminal,
+                {ErrorCode::usage,
+                 "--forward, --reverse and --map choose pieces of --preset paper; give that, too."});
+  if ((command.allow_branches || command.allow_flips) && command.preset != "paper")
+    return fail(terminal,
+                {ErrorCode::usage,
+                 "--allow-branches and --allow-flips are about what --preset paper makes; give that, "
+                 "too."});
   const Result<TetFormat> format = output_format(command.output, command.format, terminal);
   if (!format) return fail(terminal, format.error());
   const std::vector<std::string> outputs = tet_files(command.output, format.value());
@@ -325,6 +357,10 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
   if (!made) {
     terminal.error(report.message);
     return exit_code(made.error().code);
+  }
+  if (report.status == RunStatus::flipped) {
+    terminal.error(report.message);
+    return static_cast<int>(ErrorCode::unsolved);
   }
   terminal.say(report.message);
   return 0;

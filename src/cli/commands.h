@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,7 +38,9 @@ struct SizeWishes {
 struct MeshCommand {
   std::string input, output, report, format, save_surface, save_stages, resume;
   std::string on_infeasible = "reject", preset = "default";
-  double improve_degrees = 17;
+  std::string forward, reverse, map;  // pieces of the preset paper; empty: its own
+  bool allow_branches = false, allow_flips = false;
+  std::optional<double> improve_degrees;  // none: as the preset has it
   int order = 1;
   double max_move = 6;  // percent of the diagonal, of a repair
   InputOptions clean;

@@ -574,7 +574,8 @@ class Flow {
       X = ((X.rowwise() - now) * std::sqrt(area_ / area)).rowwise() + centre;
       if (!X.allFinite()) return false;
       keep_state(X, all);
-      Pairs known = still_meeting(X, hits);
+      Pairs known;
+      if (!options_.test_all_pairs) known = still_meeting(X, hits);
       const bool full = known.empty() || ++since_full >= kFullLookEvery;
       if (full) {
         known = mesh.intersections(X);
@@ -591,7 +592,7 @@ class Flow {
         result_.reverse_free.assign(vertices_, 1);
         return true;
       }
-      if (full && (stagnation.stalled(pairs) || exploded(pairs))) return false;
+      if (full && (stagnation.stalled(pairs) || (!options_.patient && exploded(pairs)))) return false;
     }
     return false;
   }
@@ -653,7 +654,9 @@ Status ForwardFlowOptions::validate() const {
 ForwardFlowOptions paper_forward_flow() {
   ForwardFlowOptions o;
   o.regional = false;
-  o.global = {{FlowWeights::cotangent, 1e-4, 120}};
+  o.global = {{FlowWeights::cotangent, 1e-4, 600}, {FlowWeights::intrinsic_delaunay, 1e-4, 600}};
+  o.test_all_pairs = o.patient = true;
+  o.global_stall_tests = 200;
   return o;
 }
 

@@ -73,6 +73,8 @@ struct ForwardFlowOptions {
   int stall_tests = 3;            // this many tests without
   double stall_drop = 0.05;       // such a relative drop of the number of pairs: stalled
   int global_stall_tests = 10;    // the global flow first lets limbs grow through each other
+  bool test_all_pairs = false;    // global: at every step, not only those that met before until none does
+  bool patient = false;           // global: it goes on however many pairs there are
 
   std::vector<GlobalFlow> global = default_global_flows();  // tried in this order
   int extra_steps = 0;                                      // past t*, before turning back
@@ -82,7 +84,8 @@ struct ForwardFlowOptions {
   Status validate() const;
 };
 
-// The paper's choice: everything, plain cotangents, delta 1e-4.
+// The paper's choice: everything, plain cotangents, delta 1e-4, all pairs tested at each step, until the
+// first clean one or the last of the steps (the paper needs 10 to 20).
 ForwardFlowOptions paper_forward_flow();
 // What to try in turn when the reverse flow locks: the default, small regional steps, everything, everything
 // in small steps.

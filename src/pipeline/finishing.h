@@ -19,6 +19,9 @@ struct FinishingJob {
   TetSizes sizes = {};          // MeshingOptions
   bool allow_branches = false;  // VerifyOptions
   Index placed = 0;             // Draft
+  // MeshingOptions: a mesh with tets that are not positive is left as it was made; all that needs no positive
+  // tets is checked.
+  bool allow_flips = false;
 };
 
 // The mesh improved, in the input's space and checked: every face of the input is a boundary face, every

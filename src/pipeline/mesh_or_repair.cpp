@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "kernels/core/box.h"
-
+#include "kernels/predicates/predicates.h"
 #include "overtet/verification.h"
 #include "src/pipeline/component_meshing.h"
 #include "src/pipeline/finishing.h"
@@ -54,6 +54,15 @@ Result<std::optional<TetMesh>> mesh_as_it_is(const Surface& surface, const Meshi
     return beyond_refining(mesh.error());
   failure = {mesh.error(), run.diagnosis(), run.unglued(), run.parts()};
   return std::optional<TetMesh>();
+}
+
+std::vector<Index> flipped_tets_of(const TetMesh& mesh) {
+  std::vector<Index> flipped;
+  for (Index t = 0; t < mesh.T.rows(); ++t) {
+    const auto at = [&](int k) { return mesh.V.data() + 3 * static_cast<std::ptrdiff_t>(mesh.T(t, k)); };
+    if (orient3d(at(0), at(1), at(2), at(3)) <= 0) flipped.push_back(t);
+  }
+  return flipped;
 }
 
 std::vector<std::array<Index, 2>> branch_edges_of(const Surface& surface, const TetMesh& mesh,
@@ -273,7 +282,7 @@ Result<MeshedSurface> repair_whole(const Surface& surface, const MeshingOptions&
   if (!mesh) return mesh.error();
   Result<TetMesh> settled = with_room_at_moved(job, measured(job, std::move(mesh).value()));
   if (!settled) return settled.error();
-  return MeshedSurface{std::move(settled).value(), std::move(r.moves), {}, {}};
+  return MeshedSurface{std::move(settled).value(), std::move(r.moves), {}, {}, {}};
 }
 
 Result<MeshedSurface> refine_whole(const Surface& surface, const MeshingOptions& options,
@@ -283,7 +292,7 @@ Result<MeshedSurface> refine_whole(const Surface& surface, const MeshingOptions&
       mesh_refined(surface, first.diagnosis, first.error, options, context, records);
   if (!refined) return refined.error();
   RefinedMesh& r = refined.value();
-  MeshedSurface out{std::move(r.mesh), {}, {}, std::move(r.branch_edges)};
+  MeshedSurface out{std::move(r.mesh), {}, {}, std::move(r.branch_edges), {}};
   if (!r.shape.subdivided.empty()) out.refined = std::move(r.shape);
   return out;
 }
@@ -295,7 +304,13 @@ Result<MeshedSurface> mesh_or_repair(const Surface& surface, const MeshingOption
   FirstFailure first;
   Result<std::optional<TetMesh>> mesh = mesh_as_it_is(surface, options, context, report, first);
   if (!mesh) return mesh.error();
-  if (mesh.value()) return MeshedSurface{std::move(*mesh.value()), {}, {}, {}};
+  if (mesh.value()) {
+    MeshedSurface out{std::move(*mesh.value()), {}, {}, {}, {}};
+    if (options.allow_flips) out.flipped_tets = flipped_tets_of(out.mesh);
+    if ((options.allow_branches || options.allow_flips) && out.flipped_tets.empty())
+      out.branch_edges = branch_edges_of(surface, out.mesh, context);
+    return out;
+  }
   if (!first.parts.empty()) {
     Result<MeshedSurface> parts = repair_by_parts(surface, first.parts, options, context, report.stages);
     if (parts || !repairable(parts.error())) return parts;

@@ -19,6 +19,7 @@ struct MeshedSurface {
   std::optional<Moves> moves;                      // of a repaired surface
   std::optional<RefinedSurface> refined;           // what it is a mesh of, where faces were subdivided
   std::vector<std::array<Index, 2>> branch_edges;  // sorted
+  std::vector<Index> flipped_tets;                 // sorted; of allow_flips
 };
 
 // Into the report goes what is found of the surface as it was read, and the stages' records as they come;

@@ -25,6 +25,10 @@ struct MeshingJob {
   StageFiles* save = nullptr;                   // where to keep the states
   const StageFiles* resume = nullptr;           // states of an earlier run
   std::optional<Error> part_without_mesh = {};  // of a part that has none by itself: why
+  PaperRecipe recipe = {};                      // of Preset::paper
+  struct Allowed {
+    bool branches = false, flips = false;  // MeshingOptions
+  } allowed = {};
 };
 
 // Keeps a state where the user asked for that. Errors: io.

@@ -36,6 +36,7 @@ void hand_over(const Surface& surface, const MeshingOptions& options, const RunC
   Report& report = result.report;
   report.status = meshed.moves                   ? RunStatus::repaired
                   : meshed.refined               ? RunStatus::refined
+                  : !meshed.flipped_tets.empty() ? RunStatus::flipped
                   : !meshed.branch_edges.empty() ? RunStatus::branched
                                                  : RunStatus::exact;
   (void)timed_stage("measure", report.stages, context, [&](StageRecord&) -> Status {
@@ -49,6 +50,7 @@ void hand_over(const Surface& surface, const MeshingOptions& options, const RunC
   });
   result.mesh = std::move(meshed.mesh);
   report.branch_edges = std::move(meshed.branch_edges);
+  report.flipped_tets = std::move(meshed.flipped_tets);
   if (meshed.refined) {
     report.subdivided_faces = meshed.refined->subdivided;
     report.added_vertices =
@@ -93,6 +95,19 @@ Status MeshingOptions::validate() const {
     if (!(sizes.at_vertex[v] > 0))
       return Error{ErrorCode::usage, "The size at vertex " + std::to_string(v) +
                                          " (counted from 0) must be a positive number, or infinite for any."};
+  if (!(recipe.delta > 0 && recipe.delta <= 1))
+    return Error{ErrorCode::usage, "The time step of the forward flow must lie between 0 and 1."};
+  if (!(recipe.repulsion >= 0 && recipe.repulsion <= 1e9))
+    return Error{ErrorCode::usage, "The weight of the repulsion must lie between 0 and 1e9."};
+  if (!(recipe.radius_edge >= 1.1 && recipe.radius_edge <= 100))
+    return Error{ErrorCode::usage, "The radius-edge bound must lie between 1.1 and 100."};
+  if (recipe.remesh_every < 0)
+    return Error{ErrorCode::usage, "The iterations between two remeshings must not be negative."};
+  if ((allow_branches || allow_flips) && (preset != Preset::paper || on_infeasible != OnInfeasible::reject))
+    return Error{
+        ErrorCode::usage,
+        "Only the paper's recipe makes flipped tets or branch lines that can be allowed, and only of the "
+        "surface as it was read."};
   if (improve_degrees == 0 && (sizes.any() || sizes.coarse))
     return Error{ErrorCode::usage,
                  "Sizes are made by the quality pass; do not leave it out (its angle must not be 0)."};

@@ -3,14 +3,16 @@
 //   diagnose -> (clean)     tet_mesh ------------------------------------------------> improve -> verify
 //            -> (immersion) immersion (arrangement, tet mesh, sheets) ---------------> improve -> verify
 //            -> (flow)      forward_flow -> reverse_flow -> tet_mesh -> volume_map --> improve -> verify
+//            -> (paper)     forward_flow -> reverse_flow -> tet_mesh -> lim | volume_arap | volume_map ->
+//            verify
 //
 // Where there is no mesh and that is asked for, the same with a repaired or a refined surface in the input's
 // place.
 //
 // The immersion route needs no flow and is tried first; the flow route is the paper's (Sacht et al. 2013) and
 // is taken when the first one finds nothing (unless it has tried everything there is), or alone when asked
-// for. Whatever made the mesh, it is checked exactly against the surface as it was read before it is handed
-// out.
+// for; the paper's recipe to the letter is for those who ask for it by name. Whatever made the mesh, it is
+// checked exactly against the surface as it was read before it is handed out.
 //
 // Same surface, same options: same mesh, on any number of threads.
 #pragma once
@@ -32,7 +34,8 @@ struct PipelineResult {
   RefinedSurface refined;  // of status `refined`
   bool ok() const {
     return report.status == RunStatus::exact || report.status == RunStatus::repaired ||
-           report.status == RunStatus::refined || report.status == RunStatus::branched;
+           report.status == RunStatus::refined || report.status == RunStatus::branched ||
+           report.status == RunStatus::flipped;
   }
   int exit_code() const { return ok() ? 0 : static_cast<int>(error.code); }
 };

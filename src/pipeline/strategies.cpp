@@ -11,6 +11,7 @@
 #include "src/pipeline/flow_route.h"
 #include "src/pipeline/locked_patch.h"
 #include "src/pipeline/nearby_surface.h"
+#include "src/pipeline/paper_route.h"
 #include "src/pipeline/stage_clock.h"
 #include "src/pipeline/tuning.h"
 
@@ -108,9 +109,18 @@ Result<Draft> mesh_flowed(const MeshingJob& job) {
   return without_placed(std::move(mesh));
 }
 
+Result<Draft> mesh_by_recipe(const MeshingJob& job) {
+  Result<TetMesh> mesh = mesh_by_paper(job);
+  if (!mesh) return in_input_space(job, mesh.error());
+  return without_placed(std::move(mesh));
+}
+
 const std::array all = {
-    Strategy{"tet mesh", [](const MeshingJob& job) { return is_plain(job.diagnosis); }, mesh_clean,
+    Strategy{"paper", [](const MeshingJob& job) { return job.preset == Preset::paper; }, mesh_by_recipe,
              Strategy::Failure::of_this_way},
+    Strategy{"tet mesh",
+             [](const MeshingJob& job) { return job.preset != Preset::paper && is_plain(job.diagnosis); },
+             mesh_clean, Strategy::Failure::of_this_way},
     Strategy{"parts",
              [](const MeshingJob& job) {
                return job.preset == Preset::standard && has_parts(job.surface, job.diagnosis);
@@ -122,8 +132,9 @@ const std::array all = {
              [](const MeshingJob& job) { return job.preset == Preset::standard && may_coincide(job); },
              mesh_near, Strategy::Failure::of_this_way},
     // What flows until nothing crosses fills each part by itself: of no use where one of them has no mesh.
-    Strategy{"flow", [](const MeshingJob& job) { return !job.part_without_mesh; }, mesh_flowed,
-             Strategy::Failure::of_this_way}};
+    Strategy{"flow",
+             [](const MeshingJob& job) { return job.preset != Preset::paper && !job.part_without_mesh; },
+             mesh_flowed, Strategy::Failure::of_this_way}};
 
 }  // namespace
 

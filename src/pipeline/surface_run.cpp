@@ -56,6 +56,10 @@ Status SurfaceRun::diagnose() {
     Result<Inspection> looked = inspect(input_, setup_.depth, context_);
     if (!looked) return looked.error();
     found_ = std::move(looked).value();
+    if (found_.problem && may_try_all_the_same()) {
+      context_.note(LogLevel::warning, found_.problem->message + " It is tried all the same.");
+      found_.problem.reset();
+    }
     const Diagnosis& d = found_.diagnosis;
     record_ = overtet::input_record(found_);
     record.figures = {{"pairs", record_.pairs},
@@ -70,6 +74,13 @@ Status SurfaceRun::diagnose() {
     back_into_unit_box(surface_.V, found_.box);
     return success();
   });
+}
+
+// A certificate says that no mesh keeps all promises; one that need not may still be made.
+bool SurfaceRun::may_try_all_the_same() const {
+  if (found_.problem->code != ErrorCode::infeasible || !found_.diagnosis.certificate) return false;
+  return options_.allow_flips ||
+         (options_.allow_branches && !forbids_branch_lines(*found_.diagnosis.certificate));
 }
 
 // Whether there can be a mesh at all, once a strategy has failed; looked at once.
@@ -107,7 +118,9 @@ Result<TetMesh> SurfaceRun::try_strategies() {
                  setup_.patience,
                  save_ ? &*save_ : nullptr,
                  resume_ ? &*resume_ : nullptr,
-                 std::nullopt};
+                 std::nullopt,
+                 options_.recipe,
+                 {options_.allow_branches, options_.allow_flips}};
   const bool first_only =
       setup_.origin != SurfaceRunSetup::Origin::read && options_.preset == Preset::standard;
   std::string told;
@@ -129,7 +142,8 @@ Result<TetMesh> SurfaceRun::try_strategies() {
       if (e.code == ErrorCode::infeasible) job.part_without_mesh = e;
       continue;
     }
-    if (auto reason = final_reason(e)) return *reason;
+    if (options_.preset != Preset::paper)
+      if (auto reason = final_reason(e)) return *reason;
     told += (told.empty() ? "" : " ") + line;
   }
   if (!found_.diagnosis.wound.complete()) told = found_.diagnosis.wound.explanation + " " + told;
@@ -141,7 +155,9 @@ Result<TetMesh> SurfaceRun::try_strategies() {
 Result<TetMesh> SurfaceRun::finish_saved() {
   Result<Draft> draft = resume_->load_draft("mapped", static_cast<Index>(surface_.V.rows()));
   if (!draft) return draft.error();
-  if (!verify(surface_, draft.value().mesh, {}, context_).ok()) {
+  VerifyOptions lenient;
+  lenient.allow_branches = options_.allow_branches;
+  if (!options_.allow_flips && !verify(surface_, draft.value().mesh, lenient, context_).ok()) {
     if (auto stop = context_.stop()) return *stop;
     return Error{ErrorCode::bad_input,
                  "The saved stage mapped is damaged: it does not fit the input. Do not resume from it."};
@@ -157,7 +173,9 @@ Result<TetMesh> SurfaceRun::finish(Draft draft) {
                           .context = context_,
                           .records = records_,
                           .sizes = options_.sizes,
-                          .placed = draft.placed},
+                          .allow_branches = options_.allow_branches,
+                          .placed = draft.placed,
+                          .allow_flips = options_.allow_flips},
                          found_.box, std::move(draft.mesh));
 }
 

@@ -58,6 +58,7 @@ class SurfaceRun {
   Result<TetMesh> try_strategies();
   std::optional<Error> final_reason(const Error& failure);
   Status look_closer();
+  bool may_try_all_the_same() const;
 
   const Surface& input_;
   const SurfaceRunSetup setup_;

@@ -42,6 +42,8 @@ const char* name_of(RunStatus status) {
       return "refined";
     case RunStatus::branched:
       return "branched";
+    case RunStatus::flipped:
+      return "flipped";
     case RunStatus::infeasible:
       return "infeasible";
     case RunStatus::unsolved:
@@ -101,6 +103,7 @@ std::string to_json(const Report& r) {
   if (r.status == RunStatus::refined)
     j["refined"] = {{"subdivided", r.subdivided_faces}, {"faces", r.face_of_piece}};
   if (r.status == RunStatus::branched) j["branch_edges"] = r.branch_edges;
+  if (r.status == RunStatus::flipped) j["flipped_tets"] = r.flipped_tets;
   if (const auto& a = r.moved_angles)
     j["moved"]["angles"] = {{"least", a->least},
                             {"bound", a->bound},

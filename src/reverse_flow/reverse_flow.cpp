@@ -206,7 +206,10 @@ class Reverse {
         return false;
       }
       standstill = record.move > 0 ? 0 : standstill + 1;
-      if (standstill >= kInVain || (record.move < o_.still && record.halvings == 0)) break;
+      // Pins may be put back for ever: in a stage on the way what moves decides.
+      if (standstill >= kInVain || (record.move < o_.still && record.halvings == 0) ||
+          (number + 1 < stages && record.move < o_.stage_still))
+        break;
     }
     return true;
   }
@@ -218,13 +221,16 @@ class Reverse {
     ContactMesh mesh;
     Arap arap;
     System system;
-    Eigen::VectorXd mass;  // by row, relative to the area, over the squared time step
+    System pinned;          // the same with vertices held
+    bool factored = false;  // nothing changes in it but by contacts
+    Eigen::VectorXd mass;   // by row, relative to the area, over the squared time step
 
     Rest(const Reverse& flow, const VertexMatrix& W, const VertexMatrix& U)
         : h(mean_edges(W, flow.s_.F)),
           mesh(U, flow.s_.F, flow.free_, W, h, flow.contact_rule()),
           arap(flow.local_.gather(W), flow.local_.F),
-          system(restrict_to_unknowns(arap.matrix(), flow.local_)) {}
+          system(restrict_to_unknowns(arap.matrix(), flow.local_)),
+          pinned(system.base()) {}
   };
 
   // Of one step: (system's base + diagonal + entries) step = gradient.
@@ -272,8 +278,10 @@ class Reverse {
     bool solved = false;
     for (int tries = 0; tries <= kInVain && !solved; ++tries) {
       if (tries > 0) e.diagonal += std::pow(kMoreMass, tries) * rest.mass;
-      solved = rest.system.factor(e.entries, e.diagonal) && rest.system.solve(e.gradient, step) &&
+      const bool known = rest.factored && tries == 0;
+      solved = (known || rest.system.factor(e.entries, e.diagonal)) && rest.system.solve(e.gradient, step) &&
                step.allFinite();
+      rest.factored = solved && tries == 0 && o_.response == ReverseFlowOptions::ContactResponse::pins;
     }
     if (!solved) {
       // The rest shape is too degenerate for its Laplacian: what there is stays valid.
@@ -396,32 +404,36 @@ class Reverse {
     }
   }
 
-  // The paper's response: vertices of faces that would meet are fixed where they were and the step is
-  // solved again, until nothing meets; the same vertices are pushed apart in the next step.
+  // The paper's response: vertices of faces that would meet are put back and held, and the step is solved
+  // again, until nothing meets; the same vertices are pushed apart in the next step. Each round holds more of
+  // them, and faces that are held do not meet, so there is an end.
   bool pin(Rest& rest, Equations& e, const VertexMatrix& U, VertexMatrix& P, VertexMatrix& force,
            ReverseFlowStep& record) const {
     const Index n = static_cast<Index>(e.gradient.rows());
     std::vector<char> pinned(n, 0);
     // Stiff enough to hold a vertex to rounding; its step is then set to zero exactly.
     const double stiff = 1e10 * rest.system.base().diagonal().cwiseAbs().maxCoeff();
-    for (int round = 0;; ++round) {
-      const std::vector<ContactMesh::Hit> hits = rest.mesh.check_step(U, P);
+    for (;;) {
+      const std::vector<IndexPair> hits = rest.mesh.intersections(U + P);
       if (hits.empty()) return true;
       ++record.halvings;
-      if (round == kMostRounds || context_.stop()) {
+      Index fresh = 0;
+      for (const IndexPair& hit : hits) {
+        if (o_.repulsion > 0) push_apart(hit, U, rest, force);
+        for (const Index f : {hit.a, hit.b})
+          for (int k = 0; k < 3; ++k)
+            if (const Index r = row_of(s_.F(f, k)); r >= 0 && !std::exchange(pinned[r], 1)) ++fresh;
+      }
+      record.held += fresh;
+      if (fresh == 0 || context_.stop()) {
         P.setZero();
         return true;
-      }
-      for (const auto& hit : hits) {
-        if (o_.repulsion > 0) push_apart(hit, U, rest, force);
-        for (Index v : hit.v)
-          if (const Index r = row_of(v); r >= 0 && !std::exchange(pinned[r], 1)) ++record.held;
       }
       Eigen::VectorXd held = e.diagonal;
       VertexMatrix b = e.gradient, step;
       for (Index r = 0; r < n; ++r)
         if (pinned[r]) held[r] += stiff, b.row(r).setZero();
-      if (!rest.system.factor(e.entries, held) || !rest.system.solve(b, step) || !step.allFinite())
+      if (!rest.pinned.factor(e.entries, held) || !rest.pinned.solve(b, step) || !step.allFinite())
         return false;
       for (Index r = 0; r < n; ++r) {
         if (pinned[r])
@@ -433,18 +445,20 @@ class Reverse {
   }
 
   // Weighted by mass and capped: with the stiffness on the diagonal instead it explodes (measured).
-  void push_apart(const ContactMesh::Hit& hit, const VertexMatrix& U, const Rest& rest,
-                  VertexMatrix& force) const {
-    const Eigen::RowVector3d away =
-        0.5 * (U.row(hit.v[0]) + U.row(hit.v[1]) - U.row(hit.v[2]) - U.row(hit.v[3]));
-    for (int i = 0; i < 4; ++i) {
-      const Index r = row_of(hit.v[i]);
-      if (r < 0) continue;
-      Eigen::RowVector3d push = (i < 2 ? o_.repulsion : -o_.repulsion) * away;
-      const double cap = o_.repulsion_cap * rest.h[hit.v[i]], length = push.norm();
-      if (length > cap) push *= cap / length;
-      force.row(r) += rest.mass[r] * push;
-    }
+  void push_apart(const IndexPair& hit, const VertexMatrix& U, const Rest& rest, VertexMatrix& force) const {
+    const auto barycentre = [&](Index f) -> Eigen::RowVector3d {
+      return (U.row(s_.F(f, 0)) + U.row(s_.F(f, 1)) + U.row(s_.F(f, 2))) / 3;
+    };
+    const Eigen::RowVector3d away = o_.repulsion * (barycentre(hit.a) - barycentre(hit.b));
+    for (const Index f : {hit.a, hit.b})
+      for (int k = 0; k < 3; ++k) {
+        const Index v = s_.F(f, k), r = row_of(v);
+        if (r < 0) continue;
+        Eigen::RowVector3d push = f == hit.a ? away : Eigen::RowVector3d(-away);
+        const double cap = o_.repulsion_cap * rest.h[v], length = push.norm();
+        if (length > cap) push *= cap / length;
+        force.row(r) += rest.mass[r] * push;
+      }
   }
 
   const Surface& s_;
@@ -470,6 +484,16 @@ VertexMatrix rigidly_aligned(const VertexMatrix& U, const VertexMatrix& V, const
   const Eigen::RowVector3d cu = (mass.transpose() * U) / total, cv = (mass.transpose() * V) / total;
   const Eigen::Matrix3d S = (U.rowwise() - cu).transpose() * mass.asDiagonal() * (V.rowwise() - cv);
   return ((U.rowwise() - cu) * best_rotation(S).transpose()).rowwise() + cv;
+}
+
+// Moves U rigidly to where it fits W best. Rounding moves every vertex on its own, so that is a new state, to
+// be tested like any other; false: it would intersect itself, and nothing changes.
+bool align(const TriangleMatrix& F, const VertexMatrix& W, VertexMatrix& U) {
+  VertexMatrix moved = rigidly_aligned(U, W, lumped_mass(W, F));
+  const std::vector<char> free(static_cast<std::size_t>(U.rows()), 1);
+  if (!moved.allFinite() || !ContactMesh(moved, F, free).intersections(moved).empty()) return false;
+  U = std::move(moved);
+  return true;
 }
 
 }  // namespace
@@ -526,6 +550,10 @@ ReverseFlowOptions paper_reverse_flow() {
   o.staged = true;
   o.inertia = true;
   o.repulsion = 1000;
+  o.align_stages = true;
+  o.stage_still = 0.05;
+  o.max_stages = 1 << 30;                            // all
+  o.lock_iterations = o.locked_rollbacks = 1 << 30;  // it goes on to the end
   return o;
 }
 
@@ -566,6 +594,7 @@ Result<ReverseFlowResult> reverse_flow(const Surface& surface, const VertexMatri
     result.termination = ReverseFlowResult::Termination::nothing_to_do;
     return result;
   }
+  const bool all_free = count == static_cast<Index>(n);
   Reverse reverse(surface, free, options, context, result);
   const int stored = options.staged ? static_cast<int>(stages.size()) : 0;
   const int used = std::min(stored, options.max_stages), total = used + 1;
@@ -579,15 +608,9 @@ Result<ReverseFlowResult> reverse_flow(const Surface& surface, const VertexMatri
         reverse.stage(W, last ? options.final_iterations : options.stage_iterations, i, total, result.U0);
     if (!done) return done.error();
     if (!done.value()) break;
+    if (options.align_stages && all_free && !last) align(surface.F, W, result.U0);
   }
-  if (options.align && count == static_cast<Index>(n)) {
-    const VertexMatrix moved = rigidly_aligned(result.U0, surface.V, lumped_mass(surface.V, surface.F));
-    // Rounding moves every vertex on its own, so this is a new state, to be tested like any other.
-    if (moved.allFinite() && ContactMesh(moved, surface.F, free).intersections(moved).empty()) {
-      result.U0 = moved;
-      result.aligned = true;
-    }
-  }
+  if (options.align && all_free) result.aligned = align(surface.F, surface.V, result.U0);
   result.quality = measure_quality(result.U0, surface.V, surface.F);
   result.locked = result.termination == ReverseFlowResult::Termination::locked ||
                   result.rollbacks > options.locked_rollbacks ||

@@ -21,15 +21,20 @@
 // Differences from the paper, because they measure better: pins and repulsion lock (a finger stays
 // collapsed; 9-29 s at 9.6k faces) where the barrier recovers within 1 % to 10 % of the area in a few
 // seconds; the direct way works on most models in a fraction of the staged time. The paper's parts are
-// there, each on its own: ContactResponse::pins, inertia, repulsion, staged rest shapes.
+// there, each on its own: ContactResponse::pins, inertia, repulsion, staged rest shapes, a rigid motion after
+// each stage. Pins are the paper's to the letter: after each step all pairs of faces are tested exactly, the
+// vertices of those that intersect are put back and held, and the step is solved again, until none do;
+// between two states faces may pass through each other.
 //
 // Outcomes are chaotic: a small change of settings turns a good result bad. So: cheap first (direct), detect
 // locking early, fall back to the next elements of the two ladders (see forward_flow.h), keep the U0 with
 // the best `quality.area_p01`.
 //
 // Guaranteed when it returns a value:
-//  - U0 is finite and exactly free of self-intersections, and it is connected to the start by a motion
-//    that is free of them (up to the rounding of the continuous check), unless `aligned` moved it rigidly.
+//  - U0 is finite and exactly free of self-intersections, and with the barrier it is connected to the start
+//  by
+//    a motion that is free of them (up to the rounding of the continuous check), unless `aligned` moved it
+//    rigidly.
 //  - Vertices that were not free have their rest positions, bit for bit.
 //  - The same bytes on any number of threads.
 // Errors: bad_input (start not finite, or not free of intersections), limit, interrupted, internal. When
@@ -65,8 +70,10 @@ struct ReverseFlowOptions {
   double ring_reach = 0.5;  // one-ring neighbours: at most this part of their distance at rest,
   double ring_floor = 0.1;  // at least so many mean edges
 
-  double repulsion = 0;      // paper: 1000; between barycentres of faces that would meet, next step
-  double repulsion_cap = 1;  // a force moves a free vertex at most so many mean edges
+  // Of pins: the weight of the difference of the barycentres of faces that would meet, which pushes their
+  // vertices apart in the next step; the paper: 1 to 1000. Times the masses; and as the paper says nothing of
+  // its units, a force moves a free vertex at most so many mean edges.
+  double repulsion = 0, repulsion_cap = 1;
 
   int ramp_rings = 6;  // the local halving fades out over so many rings
   int ramp_halvings = 6;
@@ -74,7 +81,9 @@ struct ReverseFlowOptions {
   // Stop a stage when no vertex moves further than this part of its mean edge. Small on purpose: ARAP
   // creeps, and stopping early was measured to be worse than iterating on.
   double still = 1e-5;
-  bool align = true;  // if everything was free: the rigid motion that fits U0 to V0 best
+  double stage_still = 0;     // the same for stages but the last, held vertices or not
+  bool align = true;          // if everything was free: the rigid motion that fits U0 to V0 best
+  bool align_stages = false;  // and after each stage the one that fits U_t to V_t
   // Stop iterating then and return what there is. Work: free faces and contacts, summed over iterations and
   // attempts of their line searches; the same on every machine.
   double max_work = 1e18;
@@ -106,8 +115,8 @@ struct ReverseFlowStep {
   Index contacts = 0;
   double energy = 0;   // ARAP, before the step, relative to the area
   double move = 0;     // largest step of a vertex in mean edges, after the line search
-  int halvings = 0;    // of the line search, local and global
-  Index held = 0;      // vertices held back at last
+  int halvings = 0;    // of the line search, local and global; of pins: solves after the first
+  Index held = 0;      // vertices held back at last; of pins: all that were put back
   double seconds = 0;  // since the start of the flow, wall clock
 };
 

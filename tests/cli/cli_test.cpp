@@ -570,6 +570,29 @@ TEST_F(Cli, LabelsGoWithTheSurfaceWhateverIsDoneToIt) {
   }
 }
 
+TEST_F(Cli, ThePapersRecipeSaysWhatIsNotExact) {
+  const std::string in = save("elbow.off", test::elbow(150, 16)), mesh = folder_.file("o.mesh");
+  const std::string common = "mesh " + in + " -o " + mesh + " --report " + folder_.file("r.json");
+  ShellResult r = run(common + " --preset paper --map arap");
+  EXPECT_EQ(r.exit_code, 4);
+  EXPECT_NE(r.err.find("flipped"), std::string::npos) << r.err;
+  EXPECT_FALSE(std::filesystem::exists(mesh));
+  EXPECT_EQ(report("r.json")["options"]["improve"], 0);
+
+  // It is written, and no script takes it for a mesh.
+  r = run(common + " --preset paper --map arap --allow-flips");
+  EXPECT_EQ(r.exit_code, 4);
+  EXPECT_NE(r.err.find("not positive"), std::string::npos) << r.err;
+  EXPECT_TRUE(std::filesystem::exists(mesh));
+  EXPECT_EQ(report("r.json")["status"], "flipped");
+  EXPECT_FALSE(report("r.json")["flipped_tets"].empty());
+  EXPECT_EQ(run("verify " + in + " " + mesh).exit_code, 4);
+
+  for (const char* words : {" --map lim", " --forward global", " --preset flow --reverse pins",
+                            " --allow-flips", " --allow-branches", " --preset paper --map none"})
+    EXPECT_EQ(run(common + words).exit_code, 2) << words;
+}
+
 TEST_F(Cli, RefinesAndBranchesOnRequest) {
   const std::string in = save("elbow.off", test::obstructed_elbow(0));
   const std::string mesh = folder_.file("o.mesh"), surface = folder_.file("s.off");

@@ -60,9 +60,10 @@ std::map<std::string, Names> rooms_used() {
   return used;
 }
 
-const Names kStages = {"src/forward_flow", "src/reverse_flow", "src/tet_mesh", "src/volume_map",
-                       "src/immersion",    "src/improve",      "src/repair",   "src/labels",
-                       "src/verify",       "src/cleanup",      "src/prepare"};
+const Names kStages = {"src/forward_flow", "src/reverse_flow", "src/tet_mesh",  "src/volume_map",
+                       "src/volume_arap",  "src/lim",          "src/immersion", "src/improve",
+                       "src/repair",       "src/labels",       "src/verify",    "src/cleanup",
+                       "src/prepare"};
 const Names kRoundTheStages = {"src/run",         "src/io",       "src/exact",        "src/mesh",
                                "src/arrangement", "src/covering", "src/certificates", "src/cdt"};
 

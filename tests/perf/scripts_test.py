@@ -156,6 +156,18 @@ class Scripts(unittest.TestCase):
         with open(self.worm, encoding="utf-8") as file:
             self.assertEqual({run["faces"] for run in data["runs"]}, {int(file.read().split()[2])})
 
+    def test_paper_prints_its_table(self):
+        output = os.path.join(self.folder.name, "paper")
+        done = script(os.path.join(SOURCE, "perf/paper/paper"), "--program", PROGRAM, "--only", "worm", "--presets",
+                      "paper,default", "--output", output)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("| **Cheese** | 15944 |", done.stdout)
+        with open(output + ".json", encoding="utf-8") as file:
+            rows = json.load(file)
+        self.assertEqual([(row["preset"], row["status"]) for row in rows], [("paper", "exact"), ("default", "exact")])
+        with open(output + ".md", encoding="utf-8") as file:
+            self.assertEqual(file.read(), done.stdout)
+
     def test_batch_names_what_is_not_answered(self):
         bad = os.path.join(self.folder.name, "crashing")
         with open(bad, "w", encoding="utf-8") as file:
@@ -231,6 +243,7 @@ class Scripts(unittest.TestCase):
     def test_wrong_usage(self):
         for arguments in (["perf/suite/suite", "--program", PROGRAM, "no_such_file.off"],
                           ["perf/batch/batch", "--program", PROGRAM, "no_such_file.off"],
+                          ["perf/paper/paper", "--program", PROGRAM, "--presets", "none"],
                           ["perf/peers/peers", "--overtet", PROGRAM, "--programs", "overtet", "no_such_file.off"],
                           ["perf/compare/compare", "no_such_file.json", "no_such_file.json"],
                           ["scripts/profile", "--program", PROGRAM, "no_such_file.off"]):

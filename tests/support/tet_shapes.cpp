@@ -1,8 +1,10 @@
 #include "tests/support/tet_shapes.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <random>
 #include <vector>
 
@@ -126,6 +128,33 @@ TetMesh grid_tets(int nx, int ny, int nz, double jitter, unsigned seed) {
           mesh.T.row(row++) << t[0], t[1], t[2], t[3];
         }
   return mesh;
+}
+
+TetMesh surface_first(const TetMesh& mesh) {
+  const auto n = static_cast<Index>(mesh.V.rows());
+  std::map<std::array<Index, 3>, int> faces;
+  for (Eigen::Index t = 0; t < mesh.T.rows(); ++t)
+    for (int k = 0; k < 4; ++k) {
+      std::array<Index, 3> f{mesh.T(t, (k + 1) % 4), mesh.T(t, (k + 2) % 4), mesh.T(t, (k + 3) % 4)};
+      std::sort(f.begin(), f.end());
+      ++faces[f];
+    }
+  std::vector<char> outside(static_cast<std::size_t>(n), 0);
+  for (const auto& [f, count] : faces)
+    if (count == 1)
+      for (const Index v : f) outside[v] = 1;
+  std::vector<Index> order(static_cast<std::size_t>(n)), number(static_cast<std::size_t>(n));
+  std::iota(order.begin(), order.end(), 0);
+  const auto begin_inside =
+      std::stable_partition(order.begin(), order.end(), [&](Index v) { return outside[v] != 0; });
+  TetMesh out = mesh;
+  out.surface_vertices = static_cast<Index>(begin_inside - order.begin());
+  for (Index i = 0; i < n; ++i) {
+    number[order[i]] = i;
+    out.V.row(i) = mesh.V.row(order[i]);
+  }
+  for (Eigen::Index i = 0; i < out.T.size(); ++i) out.T.data()[i] = number[mesh.T.data()[i]];
+  return out;
 }
 
 }  // namespace overtet::test

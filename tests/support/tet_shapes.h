@@ -18,4 +18,7 @@ TetMesh grid_tets(int nx, int ny, int nz, double jitter, unsigned seed);
 // itself. Every tet positive for jitter up to 0.2.
 TetMesh bent_grid(int n, double degrees, double jitter, unsigned seed);
 
+// The same with the vertices of the boundary first.
+TetMesh surface_first(const TetMesh& mesh);
+
 }  // namespace overtet::test
