@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <functional>
 #include <new>
 #include <utility>
 
@@ -417,6 +418,68 @@ std::vector<std::string> words_for_mesh(std::vector<std::string>& words) {
   return after;
 }
 
+// All that can be asked for, and what does it. More than 12 members: the commands, one by one.
+struct CommandLine {
+  CommonOptions common;
+  MeshCommand mesh;
+  InspectCommand inspect;
+  RepairCommand repair;
+  PrepareCommand prepare;
+  PrepareWords prepare_words;
+  VerifyCommand verify;
+  ConvertCommand convert;
+  ViewCommand view;
+  BatchCommand batch;
+  std::string manual, shell;
+  std::vector<std::pair<const CLI::App*, std::function<int(Terminal&)>>> commands;
+};
+
+int print(const Result<std::string>& text, Terminal& terminal) {
+  if (!text) return fail(terminal, text.error());
+  const bool printed = std::fputs(text.value().c_str(), stdout) >= 0 && std::fflush(stdout) == 0;
+  return printed ? 0 : fail(terminal, {ErrorCode::io, "Cannot write standard output."});
+}
+
+int run_prepare(CommandLine& line, Terminal& terminal) {
+  const PrepareOptions given = line.prepare.options;
+  line.prepare.options = read_steps(line.prepare_words);
+  line.prepare.options.allow_crossings = given.allow_crossings;
+  line.prepare.options.most_places = given.most_places;
+  return run(line.prepare, line.common, terminal);
+}
+
+// In the order in which the help lists them.
+void add_commands(CLI::App& app, CommandLine& line) {
+  const auto does = [&](CLI::App* command, std::function<int(Terminal&)> action) {
+    line.commands.emplace_back(command, std::move(action));
+    return command;
+  };
+  const auto runs = [&](CLI::App* command, const auto& options) {
+    add_common(*command, line.common);
+    return does(command, [&line, &options](Terminal& t) { return run(options, line.common, t); });
+  };
+  add_cleaning(*runs(add_mesh(app, line.mesh), line.mesh), line.mesh.clean);
+  add_cleaning(*runs(add_inspect(app, line.inspect), line.inspect), line.inspect.clean);
+  add_cleaning(*runs(add_repair(app, line.repair), line.repair), line.repair.clean);
+  CLI::App* prepare = add_prepare(app, line.prepare, line.prepare_words);
+  add_common(*prepare, line.common);
+  does(prepare, [&line](Terminal& t) { return run_prepare(line, t); });
+  runs(add_verify(app, line.verify), line.verify)
+      ->add_flag("--strict", line.verify.clean.strict, "Refuse a surface that needs a clean-up");
+  runs(add_convert(app, line.convert), line.convert);
+  runs(add_view(app, line.view), line.view);
+  does(add_batch(app, line.batch, line.common),
+       [&line](Terminal& t) { return run(line.batch, line.common, t); });
+  CLI::App* manual = app.add_subcommand("manual", "Print a man page: of a command, or of the program");
+  manual->add_option("COMMAND", line.manual, "A command");
+  does(manual, [&](Terminal& t) { return print(manual_of(app, line.manual), t); });
+  CLI::App* completion = app.add_subcommand("completion", "Print a script that completes command lines");
+  completion->add_option("SHELL", line.shell, "bash, zsh or fish")
+      ->required()
+      ->check(CLI::IsMember({"bash", "zsh", "fish"}));
+  does(completion, [&](Terminal& t) { return print(completion_for(line.shell, app), t); });
+}
+
 int parse_and_run(int argc, char** argv) {
   CLI::App app(
       "Overtet makes tetrahedral meshes of closed triangle surfaces that pass through themselves: every "
@@ -430,42 +493,11 @@ int parse_and_run(int argc, char** argv) {
       "Exit codes: 0 done, 2 usage, 3 bad input, 4 unsolved (verify: the mesh is wrong), 5 infeasible (the "
       "report has a witness), 6 time or memory limit, 7 a file cannot be read or written, 70 internal error, "
       "130 interrupted (143 by SIGTERM, 129 by SIGHUP).");
-
-  CommonOptions common;
-  MeshCommand mesh;
-  InspectCommand inspect;
-  RepairCommand repair;
-  PrepareCommand prepare;
-  PrepareWords prepare_words;
-  VerifyCommand verify;
-  ConvertCommand convert;
-  BatchCommand batch;
-  ViewCommand view;
-  CLI::App* mesh_app = add_mesh(app, mesh);
-  add_cleaning(*mesh_app, mesh.clean);
-  CLI::App* inspect_app = add_inspect(app, inspect);
-  add_cleaning(*inspect_app, inspect.clean);
-  CLI::App* repair_app = add_repair(app, repair);
-  add_cleaning(*repair_app, repair.clean);
-  CLI::App* prepare_app = add_prepare(app, prepare, prepare_words);
-  CLI::App* verify_app = add_verify(app, verify);
-  verify_app->add_flag("--strict", verify.clean.strict, "Refuse a surface that needs a clean-up");
-  CLI::App* convert_app = add_convert(app, convert);
-  CLI::App* view_app = add_view(app, view);
-  for (CLI::App* command :
-       {mesh_app, inspect_app, repair_app, prepare_app, verify_app, convert_app, view_app})
-    add_common(*command, common);
-  CLI::App* batch_app = add_batch(app, batch, common);
-  std::string manual_command, shell;
-  CLI::App* manual_app = app.add_subcommand("manual", "Print a man page: of a command, or of the program");
-  manual_app->add_option("COMMAND", manual_command, "A command");
-  CLI::App* completion_app = app.add_subcommand("completion", "Print a script that completes command lines");
-  completion_app->add_option("SHELL", shell, "bash, zsh or fish")
-      ->required()
-      ->check(CLI::IsMember({"bash", "zsh", "fish"}));
+  CommandLine line;
+  add_commands(app, line);
 
   std::vector<std::string> given(argv + 1, argv + argc);
-  batch.mesh_options = words_for_mesh(given);
+  line.batch.mesh_options = words_for_mesh(given);
   Result<std::vector<std::string>> words = understood(std::move(given), app);
   Terminal complaints(LogLevel::warning, Terminal::Talk::all);
   if (!words) return fail(complaints, words.error());
@@ -482,29 +514,12 @@ int parse_and_run(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return fail(complaints, {ErrorCode::usage, std::string(e.what()) + " (see overtet --help)."});
   }
+  const CommonOptions& common = line.common;
   Terminal terminal(common.quiet ? LogLevel::error : level_named(common.log_level),
                     common.quiet ? Terminal::Talk::errors_only : Terminal::Talk::all);
-  if (*mesh_app) return run(mesh, common, terminal);
-  if (*inspect_app) return run(inspect, common, terminal);
-  if (*repair_app) return run(repair, common, terminal);
-  if (*prepare_app) {
-    const PrepareOptions given = prepare.options;
-    prepare.options = read_steps(prepare_words);
-    prepare.options.allow_crossings = given.allow_crossings;
-    prepare.options.most_places = given.most_places;
-    return run(prepare, common, terminal);
-  }
-  if (*convert_app) return run(convert, common, terminal);
-  if (*batch_app) return run(batch, common, terminal);
-  if (*view_app) return run(view, common, terminal);
-  if (*manual_app || *completion_app) {
-    const Result<std::string> text =
-        *manual_app ? manual_of(app, manual_command) : completion_for(shell, app);
-    if (!text) return fail(terminal, text.error());
-    const bool printed = std::fputs(text.value().c_str(), stdout) >= 0 && std::fflush(stdout) == 0;
-    return printed ? 0 : fail(terminal, {ErrorCode::io, "Cannot write standard output."});
-  }
-  return run(verify, common, terminal);
+  const auto chosen = std::find_if(line.commands.begin(), line.commands.end(),
+                                   [](const auto& command) { return command.first->parsed(); });
+  return chosen->second(terminal);
 }
 
 }  // namespace
