@@ -10,3 +10,6 @@ endforeach()
 print_to(overtet completion bash)
 print_to(_overtet completion zsh)
 print_to(overtet.fish completion fish)
+# Debian wants man pages compressed, always to the same bytes.
+file(GLOB pages ${FOLDER}/*.1)
+execute_process(COMMAND gzip -9nkf ${pages} COMMAND_ERROR_IS_FATAL ANY)
