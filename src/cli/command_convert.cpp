@@ -17,7 +17,8 @@ int run(const ConvertCommand& command, const CommonOptions& common, Terminal& te
   for (std::size_t i = 0; i < outputs.size(); ++i)
     if (Status s = probes[i].open(outputs[i]); !s) return fail(terminal, s.error());
   const RunContext context = common.context(terminal);
-  Watchdog watchdog(context, common.start, [&](const Error& error) { terminal.error(with_hint(error)); });
+  Watchdog watchdog(context, common.start,
+                    [&](const Error& error) { terminal.last_words(with_hint(error)); });
   context.report("read", 0);
   Result<LabelledTetMesh> read = Error{};
   if (command.from.empty()) {

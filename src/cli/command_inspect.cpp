@@ -442,7 +442,8 @@ int run(const InspectCommand& command, const CommonOptions& common, Terminal& te
                   {ErrorCode::usage, "The curves would overwrite the input; choose another name for them."});
   }
   const RunContext context = common.context(terminal);
-  Watchdog watchdog(context, common.start, [&](const Error& error) { terminal.error(with_hint(error)); });
+  Watchdog watchdog(context, common.start,
+                    [&](const Error& error) { terminal.last_words(with_hint(error)); });
   const Result<InputSurface> loaded = load(command.input, command.clean, context, terminal);
   if (!loaded) return fail(watchdog, terminal, loaded.error());
   const InputSurface& input = loaded.value();

@@ -324,7 +324,7 @@ int run(const MeshCommand& command, const CommonOptions& common, Terminal& termi
     return std::chrono::duration<double>(RunContext::Clock::now() - common.start).count();
   };
   Watchdog watchdog(context, common.start, [&](const Error& error) {
-    terminal.error(with_hint(error));
+    terminal.last_words(with_hint(error));
     if (error.code == ErrorCode::interrupted || command.report.empty()) return;
     Report late;  // what the stages have found is theirs
     late.options = options;

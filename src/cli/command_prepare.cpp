@@ -189,7 +189,7 @@ int run(const PrepareCommand& command, const CommonOptions& common, Terminal& te
     return write_text(command.report, report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
   };
   Watchdog watchdog(context, common.start, [&](const Error& error) {
-    terminal.error(with_hint(error));
+    terminal.last_words(with_hint(error));
     if (error.code == ErrorCode::interrupted || command.report.empty()) return;
     (void)write_report(error, with_hint(error)).ok();
   });

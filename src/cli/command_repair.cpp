@@ -81,7 +81,7 @@ int run(const RepairCommand& command, const CommonOptions& common, Terminal& ter
   StageTrail trail;
   const RunContext context = trail.follow(common.context(terminal));
   Watchdog watchdog(context, common.start, [&](const Error& error) {
-    terminal.error(with_hint(error));
+    terminal.last_words(with_hint(error));
     if (error.code == ErrorCode::interrupted || command.report.empty()) return;
     Report late;
     late.stages = trail.records();

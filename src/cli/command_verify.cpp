@@ -12,7 +12,8 @@ namespace overtet {
 
 int run(const VerifyCommand& command, const CommonOptions& common, Terminal& terminal) {
   const RunContext context = common.context(terminal);
-  Watchdog watchdog(context, common.start, [&](const Error& error) { terminal.error(with_hint(error)); });
+  Watchdog watchdog(context, common.start,
+                    [&](const Error& error) { terminal.last_words(with_hint(error)); });
   const Result<InputSurface> loaded = load(command.surface, command.clean, context, terminal);
   if (!loaded) return fail(watchdog, terminal, loaded.error());
   const InputSurface& input = loaded.value();

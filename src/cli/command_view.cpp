@@ -63,7 +63,8 @@ int run(const ViewCommand& command, const CommonOptions& common, Terminal& termi
   OutputProbe probe;
   if (Status s = probe.open(command.output); !s) return fail(terminal, s.error());
   const RunContext context = common.context(terminal);
-  Watchdog watchdog(context, common.start, [&](const Error& error) { terminal.error(with_hint(error)); });
+  Watchdog watchdog(context, common.start,
+                    [&](const Error& error) { terminal.last_words(with_hint(error)); });
   context.report("read", 0);
   if (Status s = write_view(command, context, watchdog.writing(context), terminal); !s)
     return fail(watchdog, terminal, s.error());

@@ -62,6 +62,7 @@ void Terminal::clear() {
 void Terminal::progress(std::string_view stage, double fraction, std::string_view detail) {
   if (!bar_) return;
   const std::lock_guard lock(mutex_);
+  if (ended_) return;
   const auto now = std::chrono::steady_clock::now();
   if (stage == stage_ && now - last_ < kWatchPeriod) return;
   stage_ = stage;
@@ -84,6 +85,11 @@ void Terminal::progress(std::string_view stage, double fraction, std::string_vie
 
 void Terminal::line(const char* colour, std::string_view label, std::string_view message) {
   const std::lock_guard lock(mutex_);
+  line_locked(colour, label, message);
+}
+
+void Terminal::line_locked(const char* colour, std::string_view label, std::string_view message) {
+  if (ended_) return;
   clear_locked();
   std::string text;
   if (!label.empty())
@@ -110,5 +116,11 @@ void Terminal::say(std::string_view message) {
 }
 
 void Terminal::error(std::string_view message) { line("\x1b[31m", "overtet", message); }
+
+void Terminal::last_words(std::string_view message) {
+  const std::lock_guard lock(mutex_);
+  line_locked("\x1b[31m", "overtet", message);
+  ended_ = true;
+}
 
 }  // namespace overtet

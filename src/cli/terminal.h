@@ -20,15 +20,18 @@ class Terminal {
   void log(LogLevel level, std::string_view message);
   void say(std::string_view message);    // not with --quiet
   void error(std::string_view message);  // always; one line
+  // The same by who ends the program meanwhile: nothing that others say follows.
+  void last_words(std::string_view message);
   void clear();                          // takes the bar away
   bool has_bar() const { return bar_; }  // else progress() shows nothing
 
  private:
   void clear_locked();
+  void line_locked(const char* colour, std::string_view label, std::string_view message);
   void line(const char* colour, std::string_view label, std::string_view message);
 
   LogLevel level_;
-  bool quiet_, bar_, colours_;
+  bool quiet_, bar_, colours_, ended_ = false;
   std::mutex mutex_;
   std::size_t shown_ = 0;  // width of the bar on the screen
   std::string stage_;
