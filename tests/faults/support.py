@@ -71,8 +71,8 @@ def runs(process):
 
 
 def gone(process):
-    """Waits a little for a process that is ending."""
-    for _ in range(400):
+    """Waits some seconds for a process that is ending: where many run it needs a while to get a processor."""
+    for _ in range(1000):
         if not runs(process):
             return True
         time.sleep(0.005)
