@@ -38,7 +38,7 @@ struct Task {
 struct Running {
   Task task;
   Worker worker;
-  int cores = 1, threads = 1;  // that it counts for, that it has
+  int threads = 1;
   std::int64_t memory_limit_bytes = 0;
 };
 
@@ -81,7 +81,7 @@ class Batch {
   void interrupt_all();
   void show();
 
-  int cores_in_use() const;
+  int threads_running() const;
   std::string output_of(const Model& m) const {
     return options_.folder + "/" + m.name + ending_of(options_.format);
   }
@@ -219,11 +219,9 @@ std::optional<JournalEntry> Batch::start(Task task) {
 
   Running r;
   r.memory_limit_bytes = memory_for_one();
-  const std::int64_t left = bytes_waiting_ + task.model.bytes;
-  r.cores = alone_
-                ? options_.cores
-                : plan_.threads_for(task.model.bytes, left, options_.cores, options_.cores - cores_in_use());
-  r.threads = plan_.with_spare(r.cores, left, counts_.bytes - counts_.bytes_skipped, options_.cores);
+  r.threads = alone_ ? options_.cores
+                     : plan_.threads_for(task.model.bytes, bytes_waiting_ + task.model.bytes, options_.cores,
+                                         options_.cores - threads_running());
   ++task.tries;
   auto latest = Clock::time_point::max();
   if (options_.time_limit > 0 && options_.time_limit < 1e9)
@@ -239,7 +237,7 @@ std::optional<JournalEntry> Batch::start(Task task) {
 void Batch::start_some() {
   while (!stop_ && !waiting_.empty()) {
     if (std::ssize(running_) >= (alone_ ? 1 : plan_.jobs)) return;
-    if (plan_.full && !running_.empty() && cores_in_use() >= options_.cores) return;
+    if (plan_.full && !running_.empty() && threads_running() >= options_.cores) return;
     Task task = std::move(waiting_.front());
     waiting_.pop_front();
     bytes_waiting_ -= task.model.bytes;
@@ -331,9 +329,9 @@ void Batch::write_pending() {
   }
 }
 
-int Batch::cores_in_use() const {
+int Batch::threads_running() const {
   int sum = 0;
-  for (const Running& r : running_) sum += r.cores;
+  for (const Running& r : running_) sum += r.threads;
   return sum;
 }
 
@@ -448,11 +446,6 @@ int BatchPlan::threads_for(std::int64_t bytes, std::int64_t bytes_left, int core
   const double part = bytes_left > 0 ? static_cast<double>(bytes) / static_cast<double>(bytes_left) : 1;
   const int wanted = std::max(least, static_cast<int>(std::floor(part * cores + 1e-9)));
   return std::clamp(wanted, 1, std::max(1, free_cores));
-}
-
-int BatchPlan::with_spare(int own, std::int64_t bytes_left, std::int64_t bytes, int cores) const {
-  const bool near_the_end = static_cast<double>(bytes_left) < kLastPart * static_cast<double>(bytes);
-  return threads > 0 || !near_the_end ? own : std::max(own, std::min(2 * own, cores));
 }
 
 Result<BatchCounts> run_batch(const BatchOptions& options, const RunContext& context) {

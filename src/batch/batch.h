@@ -84,8 +84,6 @@ struct BatchPlan {
   // A model gets the part of the cores that its bytes are of those left to do (its own included): no fewer
   // than `least`, and no more than are free.
   int threads_for(std::int64_t bytes, std::int64_t bytes_left, int cores, int free_cores) const;
-  // Near the end, where cores may become idle while it runs, a model gets more threads than its own cores.
-  int with_spare(int own, std::int64_t bytes_left, std::int64_t bytes, int cores) const;
 };
 
 }  // namespace overtet

@@ -19,8 +19,6 @@ constexpr auto kWorkerGrace = std::chrono::milliseconds(1200);
 constexpr auto kBatchPeriod = std::chrono::milliseconds(50);
 // Of what a worker prints, the end is kept, in bytes: enough for its last sentences.
 constexpr std::size_t kKeptOutput = 8192;
-// The end of a batch, as a part of its bytes: the models of the last eighth are small, but some take long.
-constexpr double kLastPart = 0.125;
 // How often a model is tried whose worker crashed or whose file changed meanwhile.
 constexpr int kMostTries = 2;
 // Bytes of a file that are hashed at a time: large enough that reading costs little, small beside any cache.

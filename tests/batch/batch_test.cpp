@@ -358,12 +358,6 @@ TEST(BatchPlan, KeepsAllCoresBusy) {
   EXPECT_EQ(plan(8, 0, 0).threads_for(500, 1000, 8, 8), 4);
   EXPECT_EQ(plan(8, 0, 0).threads_for(500, 1000, 8, 3), 3);
   EXPECT_EQ(plan(8, 0, 0).threads_for(500, 500, 8, 8), 8);
-  // Near the end there are threads for cores that become idle, unless their number was given.
-  EXPECT_EQ(plan(8, 0, 0).with_spare(1, 900, 1000, 8), 1);
-  EXPECT_EQ(plan(8, 0, 0).with_spare(1, 100, 1000, 8), 2);
-  EXPECT_EQ(plan(8, 0, 0).with_spare(5, 100, 1000, 8), 8);
-  EXPECT_EQ(plan(8, 0, 1).with_spare(1, 100, 1000, 8), 1);
-  EXPECT_EQ(plan(1, 3, 0).with_spare(1, 100, 1000, 1), 1);
 }
 
 TEST(BatchOptions, AreChecked) {
