@@ -23,9 +23,12 @@ class Test:
     def out(self, name):
         return os.path.join(self.folder, name)
 
-    def hold_half_done(self, out, shards):
+    def hold_half_done(self, out, shards, engine=None):
         """Waits until one of these shards has finished a model and is at work on another; stops its batch. Both."""
         def half_done():
+            if engine and engine.poll() is not None:
+                raise Failure(f"the engine ended with {engine.returncode} before any of the shards {' '.join(shards)} was "
+                              f"half done: {self.log(engine)}")
             for shard in shards:
                 batch = batch_of(out, shard) if finished(out, shard) else 0
                 if batch and hold(batch):
@@ -33,10 +36,16 @@ class Test:
             return None
         return wait_for(f"one of the shards {' '.join(shards)} to be half done", half_done, SECONDS)
 
+    def log_path(self, command):
+        return os.path.join(self.folder, os.path.basename(command[0]) + ".log")
+
+    def log(self, process):
+        """The last lines that a program has written, which `start` began."""
+        return b"".join(lines_of(self.log_path(process.args))[-20:]).decode(errors="replace")
+
     def start(self, *command, **more):
         """A program whose output goes to a file, in a session of its own, as a terminal would give it."""
-        log = open(os.path.join(self.folder, os.path.basename(command[0]) + ".log"), "a", encoding="utf-8")
-        with log:
+        with open(self.log_path(command), "a", encoding="utf-8") as log:
             return subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True,
                                     preexec_fn=die_with_parent, env=self.environment, cwd=self.folder, **more)
 
@@ -72,12 +81,12 @@ def kill_and_interrupt(test, engine, out, shards, goes_on):
     """Kills the batch of a shard that is half done (and waits until it goes on), then presses Ctrl-C. What was done then."""
     all_shards = [f"{i}/{shards}" for i in range(1, shards + 1)]
 
-    killed, batch = test.hold_half_done(out, all_shards)
+    killed, batch = test.hold_half_done(out, all_shards, engine)
     snapshots = [Snapshot(out)]
     kill([batch])
     if goes_on:
         wait_for(f"shard {killed} to go on", lambda: batch_of(out, killed) not in (0, batch), SECONDS)
-    _, batch = test.hold_half_done(out, [s for s in all_shards if s != killed])
+    _, batch = test.hold_half_done(out, [s for s in all_shards if s != killed], engine)
     snapshots.append(Snapshot(out))
     batches = [b for b in (batch_of(out, s) for s in all_shards) if b]
     workers = [w for b in batches for w in workers_of(b)]
