@@ -1,6 +1,3 @@
-// Exceptions that standard containers and libraries throw, as errors. Internal to the library.
-#pragma once
-
 #include <exception>
 #include <new>
 #include <string>
@@ -10,8 +7,7 @@
 
 namespace overtet {
 
-// Of the exception that is being handled.
-inline Error error_of_exception() {
+Error error_of_exception() {
   const auto internal = [](const std::exception& e) {
     return Error{ErrorCode::internal, std::string("Internal error, please report it: ") + e.what() + "."};
   };
@@ -26,6 +22,8 @@ inline Error error_of_exception() {
     return internal(e);
   } catch (const std::exception& e) {
     return internal(e);
+  } catch (...) {
+    return {ErrorCode::internal, "Internal error, please report it."};
   }
 }
 
