@@ -11,9 +11,9 @@
 
 namespace overtet {
 
-// One film a flow: flow.pvd with flow_0000.vtp and so on. Parts of the surface that flow by themselves, and further
-// attempts, have their own: flow_2.pvd. Coordinates are those of the input's space. The list is written last, so that it names
-// complete files only. Errors: io.
+// One film a flow: flow.pvd with flow_0000.vtp and so on. Parts of the surface that flow by themselves, and
+// further attempts, have their own: flow_2.pvd. Coordinates are those of the input's space. The list is
+// written last, so that it names complete files only. Errors: io.
 class FlowSeries {
  public:
   // Creates the folder if it is not there.

@@ -164,6 +164,15 @@ TEST(PresetPaper, PartsAreMeshedOneByOne) {
   }
 }
 
+TEST(PresetPaper, CavitiesStayEmpty) {
+  const Surface s = test::sphere_with_cavity();
+  for (const PaperRecipe::Map map : {PaperRecipe::Map::lim, PaperRecipe::Map::arap, PaperRecipe::Map::pull}) {
+    const PipelineResult r = run_pipeline(s, recipe(map), {});
+    EXPECT_EQ(r.report.status, RunStatus::exact) << r.report.message;
+    EXPECT_TRUE(verify(s, r.mesh).ok());
+  }
+}
+
 TEST(PresetPaper, SameBytesOnAnyNumberOfThreads) {
   const Surface s = test::curled_worm(390, 10);
   std::set<std::string> hashes;
