@@ -71,6 +71,25 @@ def harmonic(points, tets, fixed, given):
     return x, step
 
 
+def weights(points, tets, faces, groups):
+    """Of each vertex of the mesh the weight of the finger; the steps that took; which of the hand's vertices are its tip."""
+    # The bones, where the weight is given, by the places in the flat hand.
+    rest = hand.rest()[0]
+    n = len(rest)
+    tip = numpy.zeros(n, bool)
+    tip[faces[groups == hand.GROUPS.index(FINGER)]] = True
+    tip &= rest[:, 1] > hand.KNUCKLES + 0.6 * hand.LENGTH[FINGER]
+    others = numpy.zeros(n, bool)
+    for name in hand.GROUPS:
+        if name not in (FINGER, "palm"):
+            others[faces[groups == hand.GROUPS.index(name)]] = True
+    others |= rest[:, 1] < 0.6 * hand.KNUCKLES
+    fixed, given = numpy.zeros(len(points), bool), numpy.zeros(len(points))
+    fixed[:n] = tip | others
+    given[:n] = tip
+    return *harmonic(points, tets, fixed, given), tip
+
+
 def main():
     example = overlap.Example(__doc__, {"numpy": "python3-numpy"})
     points, faces, groups = hand.hand("fist")
@@ -83,26 +102,14 @@ def main():
     n = len(points)
     example.equal("vertices of the surface at their places", int(numpy.sum(numpy.all(P[:n] == points, axis=1))), n)
 
-    # The bones: where the weight is given.
-    rest = hand.rest()[0]
-    tip = numpy.zeros(n, bool)
-    tip[faces[groups == hand.GROUPS.index(FINGER)]] = True
-    tip &= rest[:, 1] > hand.KNUCKLES + 0.6 * hand.LENGTH[FINGER]
-    others = numpy.zeros(n, bool)
-    for name in hand.GROUPS:
-        if name not in (FINGER, "palm"):
-            others[faces[groups == hand.GROUPS.index(name)]] = True
-    others |= rest[:, 1] < 0.6 * hand.KNUCKLES
-    fixed, given = numpy.zeros(len(P), bool), numpy.zeros(len(P))
-    fixed[:n] = tip | others
-    given[:n] = tip
-    weight, steps = harmonic(P, T, fixed, given)
+    weight, steps, tip = weights(P, T, faces, groups)
     print(f"       {steps} steps of conjugate gradients")
     example.between("smallest weight", weight.min(), -0.05, 0.0)
     example.between("largest weight", weight.max(), 1.0, 1.05)
 
     # At the fingertip's middle there are two tets, with two weights.
-    place = points[tip & (rest[:, 1] > hand.KNUCKLES + 0.9 * hand.LENGTH[FINGER])].mean(axis=0)
+    end = tip & (hand.rest()[0][:, 1] > hand.KNUCKLES + 0.9 * hand.LENGTH[FINGER])
+    place = points[end].mean(axis=0)
     hit, inside = overlap.tets_at(P, T, place)
     example.equal("tets at one place, inside both the fingertip and the palm", len(hit), 2)
     palm, finger = sorted(float(w @ weight[T[t]]) for t, w in zip(hit, inside))
