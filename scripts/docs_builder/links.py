@@ -48,10 +48,9 @@ def check(folder):
     counts = {"pages": len(pages), "inside": 0, "addresses": 0}
     for path, page in sorted(pages.items()):
         here = os.path.relpath(path, folder)
-        for link in page.loaded:
-            if re.match(r"(https?:)?//", link):
-                wrong.append(f"{here} loads {link} from another place.")
-        for link in page.links + [x for x in page.loaded if not x.startswith("data:")]:
+        far = [link for link in page.loaded if re.match(r"(https?:)?//", link)]
+        wrong += [f"{here} loads {link} from another place." for link in far]
+        for link in page.links + [x for x in page.loaded if x not in far and not x.startswith("data:")]:
             if re.match(r"[a-z][a-z0-9+.-]*:|//", link):
                 counts["addresses"] += 1
                 if not URL.match(link):
