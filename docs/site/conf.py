@@ -16,3 +16,5 @@ smartquotes = False  # options begin with two hyphens
 nitpick_ignore_regex = [("py:.*", ".*")]  # bases of Python's own, as Exception
 highlight_language = "text"
 add_module_names = False
+html_static_path = ["static"]
+html_css_files = ["site.css"]
