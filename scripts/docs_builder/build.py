@@ -1,6 +1,7 @@
 """The site: its sources put together, built by Sphinx, checked."""
 import importlib.util
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -36,6 +37,20 @@ def gather(root, program, folder):
             write(folder, os.path.join("reference", name), text)
 
 
+def join_scripts(html):
+    """Debian's Furo has its script in two modules, which pages load as one plain script: so it is made one."""
+    folder = os.path.join(html, "_static", "scripts")
+    path = os.path.join(folder, "furo.js")
+    with open(path, encoding="utf-8") as file:
+        text = file.read()
+    match = re.match(r'import Gumshoe from "\./([\w.-]+)";\n', text)
+    if match:
+        with open(os.path.join(folder, match.group(1)), encoding="utf-8") as file:
+            text = file.read() + text[match.end():]
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+
+
 def version(root):
     with open(os.path.join(root, "include", "overtet", "version.h"), encoding="utf-8") as file:
         return ".".join(line.split()[2] for line in file if line.startswith("#define OVERTET_VERSION_"))
@@ -61,6 +76,7 @@ def build(root, program, out):
     if done.returncode != 0:
         print("Sphinx has warnings or failed: see above.", file=sys.stderr)
         return 1
+    join_scripts(html)
     checked, wrong = links.check(html)
     for message in wrong:
         print(message, file=sys.stderr)

@@ -42,6 +42,8 @@ def check(folder):
             if name.endswith(".html"):
                 page = pages[os.path.normpath(path)] = Page()
                 page.feed(read(path))
+            elif name.endswith(".js") and re.search(r"^import\b", read(path), re.MULTILINE):
+                wrong.append(f"{os.path.relpath(path, folder)} is a module; pages that are opened as files cannot load it.")
             elif name.endswith(".css"):
                 for address in re.findall(r"(?:url\(|@import)\s*['\"]?((?:https?:)?//[^)'\"\s]+)", read(path)):
                     wrong.append(f"{os.path.relpath(path, folder)} loads {address}.")

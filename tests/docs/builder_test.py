@@ -46,6 +46,10 @@ class Pages(Folder):
             with self.subTest(html):
                 self.assertEqual(len(self.wrong(html)), 1, self.wrong(html))
 
+    def test_modules(self):
+        self.write("m.js", 'import a from "./n.js";\n')
+        self.assertEqual(len(self.wrong("")), 1)
+
     def test_style_sheets(self):
         self.write("s.css", '@import "https://example.org/f.css"; a { background: url(x.png) }')
         self.assertEqual(len(self.wrong("")), 1)
