@@ -82,6 +82,19 @@ class Sources(Folder):
         self.assertEqual(said, "[x](b.md#y) z ![p](p.svg) [docs/b.md](b.md) `docs/b.md`")
 
 
+class Pictures(unittest.TestCase):
+    def test_they_are_small_and_shown(self):
+        shown = ""
+        for path in sources.pages(ROOT):
+            with open(os.path.join(ROOT, path), encoding="utf-8") as file:
+                shown += file.read()
+        for path in sources.files(ROOT):
+            if path.startswith("docs/pictures/"):
+                with self.subTest(path):
+                    self.assertLess(os.path.getsize(os.path.join(ROOT, path)), 150_000)
+                    self.assertIn("pictures/" + os.path.basename(path), shown)
+
+
 class References(unittest.TestCase):
     def test_no_declaration_is_lost(self):
         pages = cpp.pages(ROOT)
