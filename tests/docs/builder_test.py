@@ -1,16 +1,17 @@
 #!/usr/bin/python3
-"""What scripts/docs is made of: wrong links are seen, and no declaration of a header is lost on the way to its page.
+"""What scripts/docs is made of: wrong links are seen, and no declaration and no option is lost on the way to its page.
 
-usage: builder_test.py SOURCE_FOLDER
+usage: builder_test.py SOURCE_FOLDER PROGRAM
 """
 import glob
 import os
 import re
+import subprocess
 import sys
 import tempfile
 import unittest
 
-ROOT = os.path.abspath(sys.argv.pop())
+PROGRAM, ROOT = os.path.abspath(sys.argv.pop()), os.path.abspath(sys.argv.pop())
 sys.path.insert(0, os.path.join(ROOT, "scripts"))
 from docs_builder import command_line, cpp, links, python_module, sources  # noqa: E402
 
@@ -116,6 +117,18 @@ class References(unittest.TestCase):
         _, module = python_module.source(ROOT, "__init__.py")
         for name in re.findall(r'"(\w+)"', re.search(r"__all__ = (\[.*?\])", python_module.source(ROOT, "__init__.py")[0], re.DOTALL).group(1)):
             self.assertRegex(page, rf"\{{py:(function|class)\}} {name}\b")
+
+    def test_all_commands_and_options(self):
+        def help_of(*command):
+            return subprocess.run([PROGRAM, *command, "--help"], check=True, stdout=subprocess.PIPE, text=True).stdout
+        pages = command_line.pages(PROGRAM)
+        commands = re.findall(r"^  ([a-z]+)  +\w", help_of().split("Subcommands:")[1], re.MULTILINE)
+        self.assertGreaterEqual(len(commands), 10)
+        self.assertEqual(sorted(pages), sorted(["command-line.md", *(f"command-{name}.md" for name in commands)]))
+        for name in commands:
+            for options in re.findall(r"^  (-[\w,-]+)", help_of(name), re.MULTILINE):
+                with self.subTest(f"{name} {options}"):
+                    self.assertIn("```{option} " + options.replace(",", ", "), pages[f"command-{name}.md"])
 
     def test_man_pages(self):
         roff = (".TH x 1\n.SH NAME\nx\n.SH OPTIONS\n.TP\n\\fB\\-\\-one\\fR \\fIN\\fR\nSays \\-\\-two\nand more\n.TP\n\\fB\\-h\\fR\nHelp\n"
