@@ -34,7 +34,7 @@ def gather(root, program, folder):
                     ignore=shutil.ignore_patterns("*.md", "__pycache__"))
     for made in (command_line.pages(program), cpp.pages(root), python_module.pages(root)):
         for name, text in made.items():
-            write(folder, os.path.join("reference", name), text)
+            write(folder, os.path.join("reference", name), sources.reference_text(text, names))
 
 
 def join_scripts(html):

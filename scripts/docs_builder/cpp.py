@@ -97,7 +97,7 @@ def pages(root):
     out = ["# C++", "", "`#include <overtet/overtet.h>` includes all of these. All names are in the namespace `overtet`. These pages are made "
            "of the headers' own comments.", "", "| header | | declares |", "|---|---|---|"]
     for name, text, names in listed:
-        words = ", ".join(f"`{n}`" for n in dict.fromkeys(names))
+        words = ", ".join(f"[{n}](cpp-{name}.md#{n.lower()})" for n in dict.fromkeys(names))
         out.append(f"| [overtet/{name}.h](cpp-{name}.md) | {paragraphs([text])} | {words} |")
     out += ["", "```{toctree}", ":hidden:", *(f"cpp-{name}" for name, _, _ in listed), "```", ""]
     made["cpp.md"] = "\n".join(out)

@@ -81,8 +81,7 @@ def pages(root):
     if missing:
         raise ValueError(f"python/overtet: {', '.join(missing)} not found.")
     out = ["# Python", "", prose(ast.get_docstring(module)), "", "This page is made of the module's docstrings; docs/python.md says how it is "
-           "installed and what errors, threads and Ctrl-C do.".replace("docs/python.md", "[docs/python.md](../python.md)"),
-           "", "```{py:module} overtet", "```", ""]
+           "installed and what errors, threads and Ctrl-C do.", "", "```{py:module} overtet", "```", ""]
     kinds = (("Functions", lambda n: isinstance(n, ast.FunctionDef)),
              ("Data", lambda n: isinstance(n, ast.ClassDef) and not is_error(n)),
              ("Exceptions", lambda n: isinstance(n, ast.ClassDef) and is_error(n)))

@@ -97,22 +97,19 @@ def page_text(root, path, text, names):
             return words
         return f"{picture}[{words}]({name}{'#' + anchor if anchor else ''})"
 
+    return "\n".join(line if code else LINK.sub(link, with_links(line, names)) for _, line, code in prose(text))
+
+
+def with_links(line, names, prefix=""):
+    """A line of prose in which files that are named, and have a page, are links to that."""
     def named(match):
         name = names.get(match.group(0))
-        return f"[{match.group(0)}]({name})" if name and name.endswith(".md") else match.group(0)
+        return f"[{match.group(0)}]({prefix}{name})" if name and name.endswith(".md") else match.group(0)
+    # What stands between backticks stays, and so do links.
+    parts = re.split(r"(`[^`]*`|!?\[[^\]\n]*\]\([^)\s]+\))", line)
+    return "".join(part if k % 2 else PATH.sub(named, part) for k, part in enumerate(parts))
 
-    out = []
-    for _, line, code in prose(text):
-        if not code:
-            # What stands between backticks stays.
-            parts = re.split(r"(`[^`]*`)", line)
-            linked = []
-            for k, part in enumerate(parts):
-                if k % 2:
-                    linked.append(part)
-                    continue
-                pieces = re.split(r"(!?\[[^\]\n]*\]\([^)\s]+\))", part)
-                linked += [piece if j % 2 else PATH.sub(named, piece) for j, piece in enumerate(pieces)]
-            line = LINK.sub(link, "".join(linked))
-        out.append(line)
-    return "\n".join(out)
+
+def reference_text(text, names):
+    """A page of a reference, in a folder of its own, with links to what it names."""
+    return "\n".join(line if code else with_links(line, names, "../") for _, line, code in prose(text))
