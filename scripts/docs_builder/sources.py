@@ -25,7 +25,7 @@ def pages(root):
 def files(root):
     """Pictures and data that pages show or link to: path in the repository -> name on the site."""
     found = {}
-    for pattern, folder in (("docs/*.svg", ""), ("docs/*.json", ""), ("docs/pictures/*", "pictures/")):
+    for pattern, folder in (("docs/*.svg", ""), ("docs/*.png", ""), ("docs/*.json", ""), ("docs/pictures/*", "pictures/")):
         for path in sorted(glob.glob(os.path.join(root, pattern))):
             found[os.path.relpath(path, root)] = folder + os.path.basename(path)
     return found
@@ -54,6 +54,11 @@ def target_of(root, path, link):
 def check(root):
     """What is wrong with the links of all pages' sources, as messages."""
     wrong = []
+    with open(os.path.join(root, "docs", "site", "index.md"), encoding="utf-8") as file:
+        listed = re.findall(r"^(?:.* <)?([\w-]+)>?$", file.read(), re.MULTILINE)
+    for path, name in pages(root).items():
+        if name != "index.md" and name[:-3] not in listed:
+            wrong.append(f"{path}: name this page, {name[:-3]}, in one of the lists of docs/site/index.md.")
     for path in [*pages(root), "perf/README.md"]:
         with open(os.path.join(root, path), encoding="utf-8") as file:
             text = file.read()

@@ -60,6 +60,7 @@ class Sources(Folder):
     def wrong(self, text):
         for name in [*sources.pages(self.folder), "perf/README.md"]:
             self.write(name, "")
+        self.write("docs/site/index.md", "\n".join(["readme", "changes", "contributing", "examples", "examples-python", "Words <a>", "b"]))
         self.write("docs/b.md", "# B")
         self.write("src/room/file.cpp", "")
         self.write("docs/a.md", text)
@@ -70,6 +71,11 @@ class Sources(Folder):
         for text in ("[x](c.md)", "[x](../c.md#y)", "![x](c.png)", "[x](https://)", "[x](http:example)"):
             with self.subTest(text):
                 self.assertEqual(len(self.wrong(text)), 1)
+
+    def test_pages_in_no_list(self):
+        self.assertEqual(self.wrong(""), [])
+        self.write("docs/new.md", "")
+        self.assertEqual(len(sources.check(self.folder)), 1)
 
     def test_named_paths(self):
         self.assertEqual(self.wrong("docs/b.md, `src/room/file.cpp`, src/room, src/io/read_NAME.cpp, build/docs/x"), [])
