@@ -280,7 +280,7 @@ def write(path: Path, what: Union[Surface, CleanUp, Repair, Mesh], format: str =
 
 
 def version() -> str:
-    """Of the library, for instance "0.1.0"."""
+    """Of the library, for instance "0.2.0"."""
     return _core.version()
 
 
