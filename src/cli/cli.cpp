@@ -587,11 +587,11 @@ namespace {
 // Says what the exception that is being handled means, and gives the exit code for it.
 int last_error() {
   try {
-    const Error error = explained(caught_error());
+    const Error error = explained(error_of_exception());
     std::fprintf(stderr, "overtet: %s\n", with_hint(error).c_str());
     return exit_code(error.code);
   } catch (...) {
-    end_for_memory("overtet: There is not enough memory.\n");
+    end_for_memory();
   }
 }
 

@@ -14,7 +14,6 @@
 #include "src/opening/opening.h"
 #include "src/pipeline/mesh_or_repair.h"
 #include "src/pipeline/stage_clock.h"
-#include "src/run/exceptions.h"
 #include "src/run/run_monitor.h"
 
 namespace overtet {
