@@ -155,6 +155,10 @@ CLI::App* add_mesh(CLI::App& app, MeshCommand& mesh) {
   command->add_flag("--coarse", mesh.sizes.coarse,
                     "As few vertices inside as the angle of --improve (and the sizes) allow");
   command->add_option("--save-stages", mesh.save_stages, "Save the intermediate states in this folder");
+  command->add_option(
+      "--save-flow", mesh.save_flow,
+      "Of --preset paper and flow: save every state of the flows in this folder, as a film for ParaView "
+      "(flow.pvd)");
   command->add_option("--resume", mesh.resume,
                       "Continue from the states that --save-stages left in this folder");
   return command;
