@@ -12,6 +12,9 @@ if(OVERTET_SHARED)  # the program finds the library wherever the whole has been 
 endif()
 install(TARGETS overtet RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
 install(TARGETS overtet-tetgen RUNTIME DESTINATION ${OVERTET_HELPER_DIR} COMPONENT program)
+if(TARGET overtet-picture)
+  install(TARGETS overtet-picture RUNTIME DESTINATION ${OVERTET_HELPER_DIR} COMPONENT pictures)
+endif()
 install(DIRECTORY ${CMAKE_BINARY_DIR}/manuals/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program
   FILES_MATCHING PATTERN "*.1.gz")
 install(FILES ${CMAKE_BINARY_DIR}/manuals/overtet COMPONENT program

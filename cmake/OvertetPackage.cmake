@@ -1,6 +1,6 @@
 # cpack -G DEB: packages for Debian, `overtet` (the program and its helper), `libovertet-dev` (headers and the static
-# library, which needs the helper) and, with OVERTET_PYTHON, `python3-overtet` (which needs the helper, too). Of a static
-# build: nobody has asked for a package of the shared library yet.
+# library, which needs the helper), with OVERTET_PYTHON `python3-overtet` (which needs the helper, too), and where VTK is
+# `overtet-pictures` (what draws, as VTK brings a lot with it). Of a static build: nobody has asked for a package of the shared library yet.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME overtet)
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "tetrahedral meshes of surfaces that pass through themselves")
@@ -12,6 +12,9 @@ set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
 set(CPACK_COMPONENTS_ALL program development)
 if(OVERTET_PYTHON)
   list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
+if(TARGET overtet-picture)
+  list(APPEND CPACK_COMPONENTS_ALL pictures)
 endif()
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -32,6 +35,7 @@ if(cholmod_version STREQUAL "")
   message(WARNING "CHOLMOD's headers do not say its version: packages made here would depend on no package that there is.")
 endif()
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "libcholmod${cholmod_version}")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "overtet-pictures")
 set(CPACK_DEBIAN_PROGRAM_DESCRIPTION
   "Overtet fills a closed triangle surface with tetrahedra that overlap where
 the surface does. Every input triangle stays a boundary triangle; where no such
@@ -61,6 +65,17 @@ python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${next_minor}), python3-n
     "Overtet fills a closed triangle surface with tetrahedra that overlap where
 the surface does. This package has the module overtet for Python: numpy arrays
 in, numpy arrays out.")
+endif()
+
+if(TARGET overtet-picture)
+  set(CPACK_DEBIAN_PICTURES_PACKAGE_NAME overtet-pictures)
+  set(CPACK_DEBIAN_PICTURES_PACKAGE_SECTION science)
+  set(CPACK_DEBIAN_PICTURES_PACKAGE_SHLIBDEPS ON)
+  set(CPACK_DEBIAN_PICTURES_PACKAGE_DEPENDS "overtet (= ${PROJECT_VERSION}), libegl-mesa0, libgl1-mesa-dri")
+  set(CPACK_DEBIAN_PICTURES_DESCRIPTION
+    "Overtet fills a closed triangle surface with tetrahedra that overlap where
+the surface does. This package lets overtet view draw pictures (PNG), with VTK,
+without a display or a graphics card.")
 endif()
 
 # What Debian's policy wants beside every package.

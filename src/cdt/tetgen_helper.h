@@ -8,9 +8,8 @@
 
 namespace overtet {
 
-// The path of an executable file: context.tetgen_helper if that is set; otherwise the first of overtet-tetgen
-// beside the running program (as in a build tree), in the libexec folder of the program's or of the shared
-// library's installation, where it was to be installed, and where packages put it. Errors: internal.
+// The path of an executable file: context.tetgen_helper if that is set; otherwise where helper_program()
+// finds overtet-tetgen. Errors: io.
 Result<std::string> tetgen_helper(const RunContext& context);
 
 }  // namespace overtet

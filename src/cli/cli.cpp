@@ -338,16 +338,37 @@ CLI::App* add_convert(CLI::App& app, ConvertCommand& convert) {
 
 CLI::App* add_view(CLI::App& app, ViewCommand& view) {
   CLI::App* command =
-      app.add_subcommand("view", "Write a page that shows a tet mesh or a surface in any browser");
+      app.add_subcommand("view", "Show a tet mesh or a surface: as a page for any browser, or as a picture");
   command->add_option("FILE", view.input, "Tet mesh (.mesh, .msh, .vtu, .node, .inp, .vtk) or surface")
       ->required();
-  command->add_option("--output,-o", view.output, "The page: one .html file that needs nothing else")
-      ->required();
-  command->add_flag("--open", view.open, "Open the page in the browser when it is written");
+  CLI::Option* page =
+      command->add_option("--output,-o", view.page, "The page: one .html file that needs nothing else");
+  command->add_flag("--open", view.open, "Open the page in the browser when it is written")->needs(page);
+  CLI::Option* picture = command->add_option("--png", view.picture, "A picture: a PNG file");
+  command->add_option("--size", view.size, "Of the picture, in pixels (default: 1200x900)")->needs(picture);
+  command
+      ->add_option("--eye", view.eye,
+                   "Of the picture: the direction from the mesh to the eye, as X,Y,Z (default: .9,.8,3.4, or "
+                   "one from which the cut is seen)")
+      ->needs(picture);
+  command
+      ->add_option("--cut", view.cut,
+                   "Of the picture: a cutting plane across x, y or z; with =SHARE (0 to 1, else .5) of the "
+                   "way through the mesh. What lies beyond it is left out")
+      ->needs(picture);
+  command
+      ->add_option("--colour", view.colouring,
+                   "Of the picture: layers (how often the solid is there), label (of the boundary), region, "
+                   "angle (the smallest dihedral one of a tet) or plain (default: the first that there is)")
+      ->check(CLI::IsMember({"layers", "label", "region", "angle", "plain"}))
+      ->needs(picture);
+  command->add_option("--apart", view.apart, "Of the picture: how far layers are pulled apart, 0 to 1")
+      ->check(between(0, 1))
+      ->needs(picture);
   command->footer(
-      "What overlaps is seen with \"Pull layers apart\". Surfaces are drawn with the curves in which they "
-      "cross "
-      "themselves.");
+      "What overlaps is seen with \"Pull layers apart\", or --apart. Surfaces are drawn with the curves in "
+      "which they cross themselves, and their hinges. Pictures are drawn by overtet-picture (package "
+      "overtet-pictures) without a display.");
   return command;
 }
 

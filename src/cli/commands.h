@@ -92,8 +92,10 @@ struct BatchCommand {
 };
 
 struct ViewCommand {
-  std::string input, output;
-  bool open = false;  // in the browser
+  std::string input, page, picture;       // one of page and picture may be empty
+  bool open = false;                      // the page, in the browser
+  std::string size, eye, cut, colouring;  // of the picture, as given; empty: as the library has it
+  double apart = 0;
 };
 
 // Each returns the exit code.

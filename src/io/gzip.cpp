@@ -60,6 +60,20 @@ bool inflate_zlib(std::string_view bytes, std::uint64_t size, std::string& out) 
          made == size;
 }
 
+std::string deflate_zlib(std::string_view bytes) {
+  std::string out(compressBound(static_cast<uLong>(bytes.size())), '\0');
+  uLongf made = static_cast<uLongf>(out.size());
+  if (compress2(pointer(out.data()), &made, pointer(bytes.data()), static_cast<uLong>(bytes.size()), 6) !=
+      Z_OK)
+    throw std::bad_alloc();
+  out.resize(made);
+  return out;
+}
+
+std::uint32_t crc32_of(std::string_view bytes) {
+  return static_cast<std::uint32_t>(crc32_z(0, pointer(bytes.data()), bytes.size()));
+}
+
 struct Gzip::Stream {
   z_stream z{};
 };

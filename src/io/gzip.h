@@ -17,6 +17,10 @@ std::optional<std::string> gunzip(std::string_view bytes);
 // Appends what a zlib stream holds, `size` bytes exactly; false where it does not.
 bool inflate_zlib(std::string_view bytes, std::uint64_t size, std::string& out);
 
+// The zlib stream that holds bytes: the same whenever and wherever. And the checksum CRC-32 of bytes.
+std::string deflate_zlib(std::string_view bytes);
+std::uint32_t crc32_of(std::string_view bytes);
+
 // Makes a gzip file: the same bytes whenever and wherever.
 class Gzip {
  public:

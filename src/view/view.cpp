@@ -7,6 +7,7 @@
 
 #include "src/io/base64.h"
 #include "src/io/filled_file.h"
+#include "src/view/checks.h"
 #include "src/view/page_parts.h"
 
 namespace overtet {
@@ -68,22 +69,6 @@ Json names_of(const Labels& labels) {
   Json names = Json::object();
   for (const auto& [number, name] : labels.names) names[std::to_string(number)] = name;
   return names;
-}
-
-Error wrong(const std::string& what) { return {ErrorCode::bad_input, "Cannot show this: " + what + "."}; }
-
-template <class Matrix>
-Status check(const VertexMatrix& V, const Matrix& elements, const char* what) {
-  if (!V.allFinite()) return wrong("a coordinate is not finite");
-  if (elements.size() > 0 && (elements.minCoeff() < 0 || elements.maxCoeff() >= V.rows()))
-    return wrong(std::string("a ") + what + " has a vertex that there is not");
-  return success();
-}
-
-Status check_size(std::size_t size, Eigen::Index wanted, const char* what) {
-  if (size == 0 || static_cast<Eigen::Index>(size) == wanted) return success();
-  return wrong(std::string("there are ") + std::to_string(size) + " " + what + " for " +
-               std::to_string(wanted) + " elements");
 }
 
 template <class Matrix>
@@ -153,11 +138,7 @@ void end(Page& page, const PageOptions& options, const Places& places) {
 Status write_page(const std::string& path, const LabelledTetMesh& labelled, const PageOptions& options,
                   const RunContext& context) {
   const auto& [mesh, a] = labelled;
-  if (Status s = check(mesh.V, mesh.T, "tet"); !s) return s;
-  if (Status s = check(mesh.V, a.triangles, "triangle"); !s) return s;
-  if (Status s = check_size(a.labels.of.size(), a.triangles.rows(), "labels"); !s) return s;
-  if (Status s = check_size(a.regions.of.size(), mesh.T.rows(), "regions"); !s) return s;
-  if (Status s = check_size(a.layers.size(), mesh.T.rows(), "numbers of layers"); !s) return s;
+  if (Status s = view::check(labelled); !s) return s;
   return io_detail::write_file(path, context, [&](TextWriter& out) {
     Page page(out);
     const Places places(mesh.V);
@@ -176,8 +157,7 @@ Status write_page(const std::string& path, const LabelledTetMesh& labelled, cons
 
 Status write_page(const std::string& path, const Surface& surface, const SurfaceAttributes& attributes,
                   const PageOptions& options, const RunContext& context) {
-  if (Status s = check(surface.V, surface.F, "face"); !s) return s;
-  if (Status s = check_size(attributes.faces.of.size(), surface.F.rows(), "labels"); !s) return s;
+  if (Status s = view::check(surface, attributes); !s) return s;
   return io_detail::write_file(path, context, [&](TextWriter& out) {
     Page page(out);
     const Places places(surface.V);

@@ -41,7 +41,9 @@ def main():
         packages = sorted(glob.glob(os.path.join(made, "*.deb")))
         names = [run("dpkg-deb", "--field", p, "Package").strip() for p in packages]
         python = "python3-overtet" in names
-        assert names == ["libovertet-dev", "overtet"] + ["python3-overtet"] * python, names
+        pictures = "overtet-pictures" in names
+        assert names == ["libovertet-dev", "overtet"] + ["overtet-pictures"] * pictures + ["python3-overtet"] * python, names
+        assert pictures == os.path.exists(os.path.join(BUILD, "bin", "overtet-picture")), names
         assert python == os.path.exists(os.path.join(BUILD, "python")), names
         print(run("lintian", "--fail-on", "error", "--allow-root", *packages))
 
@@ -59,6 +61,10 @@ def main():
         program = os.path.join(root, "usr/bin/overtet")
         run(program, "mesh", worm, "-o", mesh)
         print(run(program, "verify", worm, mesh))
+        if pictures:
+            picture = os.path.join(temporary, "worm.png")
+            run(program, "view", mesh, "--png", picture, "--size", "80x60")
+            assert os.path.getsize(picture) > 200
         if python:
             again = os.path.join(temporary, "again.mesh")
             module = os.path.join(root, "usr/lib/python3/dist-packages")
