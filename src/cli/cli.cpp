@@ -84,10 +84,12 @@ void add_recipe(CLI::App* command, MeshCommand& mesh) {
                    "Of --preset paper: what keeps faces apart on the way back, pins or a barrier")
       ->check(CLI::IsMember({"pins", "barrier"}));
   command
-      ->add_option("--map", mesh.map,
-                   "Of --preset paper: lim (locally injective mappings), arap (volumetric; may flip tets) or "
-                   "pull (that of --preset flow)")
-      ->check(CLI::IsMember({"lim", "arap", "pull"}));
+      ->add_option(
+          "--map", mesh.map,
+          "How the mesh of the embedding comes to the surface. Of --preset flow: patch (what has moved "
+          "is made anew; the default) or pull (every tet positive on the way). Of --preset paper: lim "
+          "(locally injective mappings; the default), arap (volumetric; may flip tets) or pull")
+      ->check(CLI::IsMember({"patch", "pull", "lim", "arap"}));
   command->add_flag("--allow-branches", mesh.allow_branches,
                     "Of --preset paper: write a mesh with two turns around some edges inside, too");
   command->add_flag(

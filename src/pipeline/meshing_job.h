@@ -26,6 +26,7 @@ struct MeshingJob {
   const StageFiles* resume = nullptr;           // states of an earlier run
   std::optional<Error> part_without_mesh = {};  // of a part that has none by itself: why
   PaperRecipe recipe = {};                      // of Preset::paper
+  FlowMap flow_map = FlowMap::patch;            // of Preset::flow, and where the flow route comes last
   struct Allowed {
     bool branches = false, flips = false;  // MeshingOptions
   } allowed = {};

@@ -120,6 +120,7 @@ Result<TetMesh> SurfaceRun::try_strategies() {
                  resume_ ? &*resume_ : nullptr,
                  std::nullopt,
                  options_.recipe,
+                 options_.flow_map,
                  {options_.allow_branches, options_.allow_flips}};
   const bool first_only =
       setup_.origin != SurfaceRunSetup::Origin::read && options_.preset == Preset::standard;

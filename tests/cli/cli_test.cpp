@@ -589,7 +589,8 @@ TEST_F(Cli, ThePapersRecipeSaysWhatIsNotExact) {
   EXPECT_EQ(run("verify " + in + " " + mesh).exit_code, 4);
 
   for (const char* words : {" --map lim", " --forward global", " --preset flow --reverse pins",
-                            " --allow-flips", " --allow-branches", " --preset paper --map none"})
+                            " --allow-flips", " --allow-branches", " --preset paper --map none",
+                            " --map patch", " --preset flow --map lim", " --preset paper --map patch"})
     EXPECT_EQ(run(common + words).exit_code, 2) << words;
 }
 

@@ -15,6 +15,7 @@
 #include "src/mesh/topology.h"
 #include "src/pipeline/inspection.h"
 #include "src/pipeline/locked_patch.h"
+#include "src/pipeline/solid_patch.h"
 #include "src/pipeline/stage_files.h"
 #include "tests/support/files.h"
 #include "tests/support/models.h"
@@ -579,7 +580,7 @@ TEST(Pipeline, LockedMapsAreKeptAsProblems) {
   }
   ASSERT_TRUE(verify({state.V.topRows(s.V.rows()), s.F}, state).ok());
 
-  const LockedSolid solid = solid_around(state, s.V, away);
+  const SolidPatch solid = solid_around(state, s.V, away, 3);
   EXPECT_TRUE(check_topology(solid.target).ok());
   const auto boundary = solid.target.V.rows();
   EXPECT_EQ(solid.start.surface_vertices, boundary);
