@@ -211,6 +211,24 @@ CLI::App* add_repair(CLI::App& app, RepairCommand& repair) {
   return command;
 }
 
+CLI::App* add_embed(CLI::App& app, EmbedCommand& embed) {
+  CLI::App* command = app.add_subcommand(
+      "embed",
+      "Make the same surface without crossings: nearly the same lengths and areas, no faces intersect");
+  command->add_option("INPUT", embed.input, surface_help())->required();
+  command
+      ->add_option("--output,-o", embed.output,
+                   "The embedding: .off, .obj or .ply; with .gz: compressed. Its faces are the input's")
+      ->required();
+  command->add_option("--report", embed.report,
+                      "Write a JSON report to this file, even if there is no embedding");
+  command->add_flag("--json", embed.json, "Print the report");
+  command->footer(
+      "Components that cross each other are laid side by side first. Lengths and areas are measured: see "
+      "\"embedding\" in the report.");
+  return command;
+}
+
 // What the words say, as they come; read_steps() puts them together.
 struct PrepareWords {
   double weld = 0, tolerance = 0, needle_angle = 0;
@@ -426,6 +444,7 @@ struct CommandLine {
   MeshCommand mesh;
   InspectCommand inspect;
   RepairCommand repair;
+  EmbedCommand embed;
   PrepareCommand prepare;
   PrepareWords prepare_words;
   VerifyCommand verify;
@@ -463,6 +482,7 @@ void add_commands(CLI::App& app, CommandLine& line) {
   add_cleaning(*runs(add_mesh(app, line.mesh), line.mesh), line.mesh.clean);
   add_cleaning(*runs(add_inspect(app, line.inspect), line.inspect), line.inspect.clean);
   add_cleaning(*runs(add_repair(app, line.repair), line.repair), line.repair.clean);
+  add_cleaning(*runs(add_embed(app, line.embed), line.embed), line.embed.clean);
   CLI::App* prepare = add_prepare(app, line.prepare, line.prepare_words);
   add_common(*prepare, line.common);
   does(prepare, [&line](Terminal& t) { return run_prepare(line, t); });

@@ -1,7 +1,6 @@
 #include "src/pipeline/flow_route.h"
 
 #include <algorithm>
-#include <array>
 #include <optional>
 #include <string>
 #include <utility>
@@ -9,7 +8,6 @@
 
 #include "src/pipeline/flow_stages.h"
 #include "src/pipeline/patch_meshing.h"
-#include "src/pipeline/tuning.h"
 
 namespace overtet {
 
@@ -68,34 +66,28 @@ class FlowRoute {
     return without_placed(std::move(mapped));
   }
 
-  // Fills an embedding that need not be good, and brings its mesh home by the patch.
-  Outcome patch_early(const VertexMatrix& U0) {
-    Result<TetMesh> filled = fill(job_, U0);
+  // The patch, of what the way there ends with: it needs an embedding that is V0 nearly everywhere, no good
+  // one. Not saved: the pull, which needs a good one, could not go on from there.
+  Outcome patch_early(const VertexMatrix& V) {
+    MeshingJob unsaved = job_;
+    unsaved.save = nullptr;
+    Result<TetMesh> filled = fill(unsaved, V);
     if (!filled) return outcome(filled.error(), "Tet mesh");
     return outcome(mesh_by_patch(job_, filled.value()), "Patch");
   }
 
   // Both flows; keeps the better embedding.
-  Outcome embed(const ForwardFlowOptions& there, ReverseFlowOptions back) {
+  Outcome embed(const ForwardFlowOptions& there, const ReverseFlowOptions& back) {
     Result<ForwardFlowResult> forward = flow_forward(job_, there);
     if (!forward) return outcome(forward.error(), "Forward flow");
     if (Status s = keep(job_, "flow_end", Surface{forward.value().V, job_.surface.F}); !s)
       return Result<Draft>(s.error());
-    if (by_patch() && !back.staged && back.final_iterations > kEarlyIterations) {
-      ReverseFlowOptions early = back;
-      early.final_iterations = kEarlyIterations;
-      Result<ReverseFlowResult> part = flow_back(job_, forward.value(), early);
-      if (!part) return outcome(part.error(), "Reverse flow");
-      if (Status s = keep(job_, "embedded", Surface{part.value().U0, job_.surface.F}); !s)
-        return Result<Draft>(s.error());
-      if (Outcome end = patch_early(part.value().U0)) return end;
-      forward.value().V = part.value().U0;
-      back.final_iterations -= part.value().iterations;
-    }
-    Result<ReverseFlowResult> whole = flow_back(job_, forward.value(), back);
-    if (!whole) return outcome(whole.error(), "Reverse flow");
-    if (!best_ || whole.value().quality.area_p01 > best_->quality.area_p01) {
-      best_ = std::move(whole).value();
+    if (by_patch())
+      if (Outcome end = patch_early(forward.value().V)) return end;
+    Result<ReverseFlowResult> returned = flow_back(job_, forward.value(), back);
+    if (!returned) return outcome(returned.error(), "Reverse flow");
+    if (!best_ || returned.value().quality.area_p01 > best_->quality.area_p01) {
+      best_ = std::move(returned).value();
       best_is_mapped_ = false;
     }
     return std::nullopt;

@@ -33,8 +33,7 @@ Result<Draft> mesh_closed(const MeshingJob& job, const Surface& surface) {
     Result<Draft> parts = mesh_by_parts({surface, job.box, d.value(), job.context, records});
     if (parts || ends_run(parts.error())) return parts;
   }
-  Result<ImmersionResult> r =
-      immerse(surface, d.value().pairs, d.value().wound.edges, {}, job.context);
+  Result<ImmersionResult> r = immerse(surface, d.value().pairs, d.value().wound.edges, {}, job.context);
   if (!r) return r.error();
   return Draft{std::move(r.value().mesh), r.value().free_points};
 }
@@ -58,7 +57,8 @@ std::vector<Index> not_home(const TetMesh& mesh, const VertexMatrix& target) {
 Result<Draft> mesh_by_patch(const MeshingJob& job, const TetMesh& embedded) {
   return timed_stage("patch", job.records, job.context, [&](StageRecord& record) -> Result<Draft> {
     const std::vector<Index> away = not_home(embedded, job.surface.V);
-    if (away.empty()) return Draft{embedded, static_cast<Index>(embedded.V.rows()) - embedded.surface_vertices};
+    if (away.empty())
+      return Draft{embedded, static_cast<Index>(embedded.V.rows()) - embedded.surface_vertices};
     Error last{ErrorCode::unsolved, "No patch was tried."};
     std::size_t tried = 0;  // tets of the last patch
     for (int rings = 1; rings <= kRings; ++rings) {
@@ -66,16 +66,18 @@ Result<Draft> mesh_by_patch(const MeshingJob& job, const TetMesh& embedded) {
       const SolidPatch patch = solid_around(embedded, job.surface.V, away, rings);
       if (static_cast<Eigen::Index>(patch.tets.size()) == embedded.T.rows()) {
         if (rings == 1)
-          last = {ErrorCode::unsolved, "Nearly everything has moved, so that the patch would be all of the mesh."};
+          last = {ErrorCode::unsolved,
+                  "Nearly everything has moved, so that the patch would be all of the mesh."};
         break;
       }
       if (patch.tets.size() == tried) continue;  // what was pinched had made it as wide before
       tried = patch.tets.size();
       record.iterations = rings;
-      record.figures = {{"away", static_cast<std::int64_t>(away.size())},
-                        {"patch_faces", static_cast<std::int64_t>(patch.target.F.rows())},
-                        {"patch_tets", static_cast<std::int64_t>(tried)},
-                        {"kept_tets", static_cast<std::int64_t>(embedded.T.rows()) - static_cast<std::int64_t>(tried)}};
+      record.figures = {
+          {"away", static_cast<std::int64_t>(away.size())},
+          {"patch_faces", static_cast<std::int64_t>(patch.target.F.rows())},
+          {"patch_tets", static_cast<std::int64_t>(tried)},
+          {"kept_tets", static_cast<std::int64_t>(embedded.T.rows()) - static_cast<std::int64_t>(tried)}};
       if (Status s = keep(job, "patch", patch.target); !s) return s.error();
       Result<Draft> inside = mesh_closed(job, patch.target);
       if (inside) {

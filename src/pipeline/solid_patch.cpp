@@ -23,9 +23,7 @@ using Face = std::array<Index, 3>;
 std::vector<Index> pinched_at(const std::vector<Face>& faces) {
   struct Side {
     Index a, b, face;  // an edge, a < b
-    bool operator<(const Side& s) const {
-      return a != s.a ? a < s.a : b != s.b ? b < s.b : face < s.face;
-    }
+    bool operator<(const Side& s) const { return a != s.a ? a < s.a : b != s.b ? b < s.b : face < s.face; }
   };
   std::vector<Side> sides;
   for (std::size_t f = 0; f < faces.size(); ++f)
@@ -66,7 +64,10 @@ std::vector<Index> pinched_at(const std::vector<Face>& faces) {
 class Cutter {
  public:
   Cutter(const TetMesh& mesh, const VertexMatrix& target)
-      : mesh_(mesh), target_(target), complex_(mesh.V, mesh.T), in_(static_cast<std::size_t>(mesh.T.rows()), 0) {}
+      : mesh_(mesh),
+        target_(target),
+        complex_(mesh.V, mesh.T),
+        in_(static_cast<std::size_t>(mesh.T.rows()), 0) {}
 
   bool has(Index t) const { return in_[static_cast<std::size_t>(t)] != 0; }
   void add_all() { std::fill(in_.begin(), in_.end(), char{1}); }
@@ -223,9 +224,10 @@ Draft glued(const TetMesh& mesh, const VertexMatrix& target, const SolidPatch& p
   for (Eigen::Index t = 0; t < inside.mesh.T.rows(); ++t, ++made)
     for (int k = 0; k < 4; ++k) {
       const Index v = inside.mesh.T(t, k);
-      whole.mesh.T(made, k) = v < own ? number[static_cast<std::size_t>(patch.vertices[static_cast<std::size_t>(v)])]
-                              : v < own + inside.placed ? surface + v - own
-                                                        : next + v - own - inside.placed;
+      whole.mesh.T(made, k) =
+          v < own ? number[static_cast<std::size_t>(patch.vertices[static_cast<std::size_t>(v)])]
+          : v < own + inside.placed ? surface + v - own
+                                    : next + v - own - inside.placed;
     }
   return whole;
 }

@@ -24,10 +24,6 @@ constexpr double kReverseWork = 2e7, kReverseWorkOfFace = 600;
 // less, and for a volume map.
 constexpr double kHalfTime = 0.5, kMapTime = 0.8;
 
-// Iterations of the reverse flow, of a hundred, after which the patch is tried: it needs a U0 that is V0
-// nearly everywhere, no good one.
-constexpr int kEarlyIterations = 20;
-
 // --- The way by a surface nearby (nearby_surface.cpp) ---
 
 // Work of the first pull home (src/volume_map/volume_map.h): where it is not enough, another surface may be
