@@ -1,6 +1,6 @@
 // The embedding of a closed surface that may pass through itself: the same triangles with nearly the same
-// lengths and areas, intersecting nowhere. For what needs the surface's own metric and no crossings: cloth and
-// shells at rest, textures, parametrisation.
+// lengths and areas, intersecting nowhere. For what needs the surface's own metric and no crossings: cloth
+// and shells at rest, textures, parametrisation.
 //
 // Guaranteed, decided exactly on the doubles that are handed out: no two faces have more in common than the
 // vertex or edge that they share. The faces are the input's. A vertex that is not in `moved` is where it was,
@@ -33,10 +33,10 @@ struct EmbedOptions {
 };
 
 struct Embedding {
-  Surface surface;               // U0, with the input's faces
-  std::vector<Index> moved;      // vertices, sorted
-  std::vector<Index> laid_aside; // components that were moved as a whole first, sorted; they are numbered by
-                                 // their first faces
+  Surface surface;                // U0, with the input's faces
+  std::vector<Index> moved;       // vertices, sorted
+  std::vector<Index> laid_aside;  // components that were moved as a whole first, sorted; they are numbered by
+                                  // their first faces
   EmbeddingQuality quality;
 };
 

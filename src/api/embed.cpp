@@ -7,12 +7,6 @@
 
 namespace overtet {
 
-Status EmbedOptions::validate() const {
-  if (!(gap > 0 && gap <= 10))
-    return Error{ErrorCode::usage, "The gap must be more than 0 and at most 10 diagonals."};
-  return success();
-}
-
 Result<Embedding> embed(const Surface& surface, const EmbedOptions& options, const RunContext& context,
                         Report* report) {
   try {

@@ -14,13 +14,14 @@ namespace {
 std::string what_was_made(const EmbedCommand& command, const Embedding& e) {
   const auto range = [](const RatioRange& r) {
     char text[96];
-    std::snprintf(text, sizeof text, "%.3f to %.3f times (1 %% to 99 %%; at the worst %.3f and %.3f)", r.p01, r.p99,
-                  r.least, r.most);
+    std::snprintf(text, sizeof text, "%.3f to %.3f times (1 %% to 99 %%; at the worst %.3f and %.3f)", r.p01,
+                  r.p99, r.least, r.most);
     return std::string(text);
   };
-  std::string text = command.output + ": no faces intersect, checked exactly; " + std::to_string(e.moved.size()) +
-                     " of " + std::to_string(e.surface.V.rows()) + " vertices moved. Areas are " +
-                     range(e.quality.area) + ", edges " + range(e.quality.edge) + " as large as the input's.";
+  std::string text = command.output + ": no faces intersect, checked exactly; " +
+                     std::to_string(e.moved.size()) + " of " + std::to_string(e.surface.V.rows()) +
+                     " vertices moved. Areas are " + range(e.quality.area) + ", edges " +
+                     range(e.quality.edge) + " as large as the input's.";
   if (!e.laid_aside.empty())
     text += " " + std::to_string(e.laid_aside.size()) +
             (e.laid_aside.size() == 1 ? " component that crosses another one was laid aside."
@@ -31,8 +32,9 @@ std::string what_was_made(const EmbedCommand& command, const Embedding& e) {
 }
 
 // Reads, embeds and writes the surface.
-Result<Embedding> embedded_surface(const EmbedCommand& command, SurfaceFormat format, const RunContext& context,
-                                   Terminal& terminal, Watchdog& watchdog, Report& report) {
+Result<Embedding> embedded_surface(const EmbedCommand& command, SurfaceFormat format,
+                                   const RunContext& context, Terminal& terminal, Watchdog& watchdog,
+                                   Report& report) {
   const Result<InputSurface> loaded = load(command.input, command.clean, context, terminal);
   if (!loaded) return loaded.error();
   const InputSurface& input = loaded.value();
@@ -66,7 +68,8 @@ void finish(Report& report, const EmbedCommand& command, const CommonOptions& co
 
 Status check_names(const EmbedCommand& command) {
   if (same_file(command.input, command.output) || same_file(command.input, command.report))
-    return Error{ErrorCode::usage, "The output or the report would overwrite the input; choose another name."};
+    return Error{ErrorCode::usage,
+                 "The output or the report would overwrite the input; choose another name."};
   if (same_file(command.output, command.report))
     return Error{ErrorCode::usage,
                  "The output and the report have the same name; choose another for one of them."};

@@ -29,7 +29,9 @@ namespace {
 RatioRange range_of(std::vector<double> x) {
   if (x.empty()) return {};
   std::sort(x.begin(), x.end());
-  const auto at = [&](double share) { return x[static_cast<std::size_t>(share * static_cast<double>(x.size() - 1))]; };
+  const auto at = [&](double share) {
+    return x[static_cast<std::size_t>(share * static_cast<double>(x.size() - 1))];
+  };
   return {x.front(), at(0.01), at(0.5), at(0.99), x.back()};
 }
 
@@ -75,13 +77,14 @@ std::vector<Index> to_lay_aside(const Surface& s, const SurfaceTopology& topolog
     if (Index& best = largest[groups.root(static_cast<Index>(c))]; best < 0 || area[c] > area[best])
       best = static_cast<Index>(c);
   for (std::size_t c = 0; c < n; ++c)
-    if (largest[groups.root(static_cast<Index>(c))] != static_cast<Index>(c)) out.push_back(static_cast<Index>(c));
+    if (largest[groups.root(static_cast<Index>(c))] != static_cast<Index>(c))
+      out.push_back(static_cast<Index>(c));
   return out;
 }
 
 // Moves components into the cells of a square grid beside everything. V: of s, changed.
-void lay_aside(const Surface& s, const SurfaceTopology& topology, const std::vector<Index>& components, double gap,
-               VertexMatrix& V) {
+void lay_aside(const Surface& s, const SurfaceTopology& topology, const std::vector<Index>& components,
+               double gap, VertexMatrix& V) {
   const Eigen::RowVector3d high = s.V.colwise().maxCoeff(), low = s.V.colwise().minCoeff();
   gap *= diagonal_of(s.V);
   std::vector<Index> number(topology.components.size(), -1);
@@ -134,9 +137,10 @@ Result<UnitBox> into_uniform_box(VertexMatrix& V) {
   VertexMatrix again = scaled;
   out_of_unit_box(again, box);
   if (again != V)
-    return Error{ErrorCode::unsolved,
-                 "A coordinate is so much smaller than the model that scaling the model would lose bits; set it to "
-                 "zero."};
+    return Error{
+        ErrorCode::unsolved,
+        "A coordinate is so much smaller than the model that scaling the model would lose bits; set it to "
+        "zero."};
   V = std::move(scaled);
   return box;
 }
@@ -151,7 +155,8 @@ Result<VertexMatrix> best_flow(const MeshingJob& job) {
     Result<ForwardFlowResult> forward = flow_forward(job, forward_ladder[rung]);
     if (!forward) {
       if (ends_run(forward.error())) return forward.error();
-      last = {ErrorCode::unsolved, "No embedding was found: " + forward.error().message, forward.error().place};
+      last = {ErrorCode::unsolved, "No embedding was found: " + forward.error().message,
+              forward.error().place};
       continue;
     }
     Result<ReverseFlowResult> back = flow_back(job, forward.value(), reverse_ladder[rung]);
@@ -165,6 +170,19 @@ Result<VertexMatrix> best_flow(const MeshingJob& job) {
   }
   if (!best) return last;
   return std::move(best->U0);
+}
+
+void note_moves(const VertexMatrix& before, const Embedding& e, Report& report) {
+  report.moved_vertices = static_cast<std::int64_t>(e.moved.size());
+  report.moved_ids.assign(e.moved.begin(), e.moved.end());
+  const double diagonal = diagonal_of(before);
+  double sum = 0;
+  for (const Index v : e.moved) {
+    const double move = (e.surface.V.row(v) - before.row(v)).norm() / diagonal;
+    sum += move;
+    report.max_relative_move = std::max(report.max_relative_move, move);
+  }
+  if (!e.moved.empty()) report.mean_relative_move = sum / static_cast<double>(e.moved.size());
 }
 
 Result<Embedding> embedded(const Surface& surface, const EmbedOptions& options, const RunContext& context,
@@ -216,11 +234,17 @@ Result<Embedding> embedded(const Surface& surface, const EmbedOptions& options, 
   report.status = RunStatus::embedded;
   report.embedding = out.quality;
   report.laid_aside = static_cast<std::int64_t>(out.laid_aside.size());
-  report.moved_vertices = static_cast<std::int64_t>(out.moved.size());
+  note_moves(surface.V, out, report);
   return out;
 }
 
 }  // namespace
+
+Status EmbedOptions::validate() const {
+  if (!(gap > 0 && gap <= 10))
+    return Error{ErrorCode::usage, "The gap must be more than 0 and at most 10 diagonals."};
+  return success();
+}
 
 Result<Embedding> embed_surface(const Surface& surface, const EmbedOptions& options, const RunContext& outer,
                                 Report& report) {

@@ -6,7 +6,7 @@
 namespace overtet {
 
 // As embed() in include/overtet/embed.h, but may throw (bad_alloc, of the watch over the run).
-Result<Embedding> embed_surface(const Surface& surface, const EmbedOptions& options, const RunContext& context,
-                                Report& report);
+Result<Embedding> embed_surface(const Surface& surface, const EmbedOptions& options,
+                                const RunContext& context, Report& report);
 
 }  // namespace overtet

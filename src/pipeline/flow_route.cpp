@@ -31,10 +31,10 @@ class FlowRoute {
     for (std::size_t rung = 0; rung < rungs; ++rung) {
       const bool is_last = rung + 1 == rungs;
       if (Outcome end = embed(forward_ladder[rung], reverse_ladder[rung])) return *std::move(end);
-      if (!best_ || best_is_mapped_ || (best_->locked && !is_last)) continue;
-      if (Outcome end = map_best()) return *std::move(end);
+      if (!best_ || best_is_pulled_ || (best_->locked && !is_last)) continue;
+      if (Outcome end = pull_best()) return *std::move(end);
     }
-    // Only one embedding was worth mapping, and it locked before the ladder's end.
+    // Only one embedding was worth pulling, and it locked before the ladder's end.
     if (locked_once_.T.rows() > 0)
       if (Outcome end = outcome(without_placed(map(job_, locked_once_, MapCare::careful)), "Volume map"))
         return *std::move(end);
@@ -66,51 +66,58 @@ class FlowRoute {
     return without_placed(std::move(mapped));
   }
 
-  // The patch, of what the way there ends with: it needs an embedding that is V0 nearly everywhere, no good
-  // one. Not saved: the pull, which needs a good one, could not go on from there.
-  Outcome patch_early(const VertexMatrix& V) {
-    MeshingJob unsaved = job_;
-    unsaved.save = nullptr;
-    Result<TetMesh> filled = fill(unsaved, V);
-    if (!filled) return outcome(filled.error(), "Tet mesh");
-    return outcome(mesh_by_patch(job_, filled.value()), "Patch");
+  // The mesh of an embedding brought home by the patch; an error is noted.
+  Outcome patch(const MeshingJob& job, const VertexMatrix& U, std::optional<TetMesh>& filled) {
+    Result<TetMesh> mesh = fill(job, U);
+    if (!mesh) return outcome(mesh.error(), "Tet mesh");
+    filled = std::move(mesh).value();
+    return outcome(mesh_by_patch(job_, *filled), "Patch");
   }
 
-  // Both flows; keeps the better embedding.
+  // Both flows, and the patch of what each ends with: it needs an embedding that is V0 nearly everywhere, no
+  // good one. Keeps the better U0.
   Outcome embed(const ForwardFlowOptions& there, const ReverseFlowOptions& back) {
     Result<ForwardFlowResult> forward = flow_forward(job_, there);
     if (!forward) return outcome(forward.error(), "Forward flow");
-    if (Status s = keep(job_, "flow_end", Surface{forward.value().V, job_.surface.F}); !s)
-      return Result<Draft>(s.error());
-    if (by_patch())
-      if (Outcome end = patch_early(forward.value().V)) return end;
+    const auto saved = [&](const char* name, const VertexMatrix& V) {
+      return keep(job_, name, Surface{V, job_.surface.F});
+    };
+    if (Status s = saved("flow_end", forward.value().V); !s) return Result<Draft>(s.error());
+    if (by_patch()) {
+      // Not saved: the pull, which needs a good U0, could not go on from there.
+      MeshingJob unsaved = job_;
+      unsaved.save = nullptr;
+      std::optional<TetMesh> filled;
+      if (Outcome end = patch(unsaved, forward.value().V, filled)) return end;
+    }
     Result<ReverseFlowResult> returned = flow_back(job_, forward.value(), back);
     if (!returned) return outcome(returned.error(), "Reverse flow");
-    if (!best_ || returned.value().quality.area_p01 > best_->quality.area_p01) {
-      best_ = std::move(returned).value();
-      best_is_mapped_ = false;
-    }
-    return std::nullopt;
+    ReverseFlowResult& x = returned.value();
+    if (best_ && x.quality.area_p01 <= best_->quality.area_p01) return std::nullopt;
+    best_ = std::move(x);
+    filled_.reset();
+    if (Status s = saved("embedded", best_->U0); !s) return Result<Draft>(s.error());
+    best_is_pulled_ = false;
+    return by_patch() ? patch(job_, best_->U0, filled_) : std::nullopt;
   }
 
-  Outcome map_best() {
-    best_is_mapped_ = true;
-    if (Status s = keep(job_, "embedded", Surface{best_->U0, job_.surface.F}); !s)
-      return Result<Draft>(s.error());
-    Result<TetMesh> filled = fill(job_, best_->U0);
-    if (!filled) return outcome(filled.error(), "Tet mesh");
-    if (by_patch())
-      if (Outcome end = outcome(mesh_by_patch(job_, filled.value()), "Patch")) return end;
+  Outcome pull_best() {
+    best_is_pulled_ = true;
+    if (!filled_) {
+      Result<TetMesh> mesh = fill(job_, best_->U0);
+      if (!mesh) return outcome(mesh.error(), "Tet mesh");
+      filled_ = std::move(mesh).value();
+    }
     ++maps_;
-    if (Outcome end = outcome(without_placed(map(job_, filled.value(), MapCare::usual)), "Volume map"))
-      return end;
-    locked_once_ = maps_ == 1 ? std::move(filled).value() : TetMesh();
+    if (Outcome end = outcome(without_placed(map(job_, *filled_, MapCare::usual)), "Volume map")) return end;
+    locked_once_ = maps_ == 1 ? *std::move(filled_) : TetMesh();
     return std::nullopt;
   }
 
   const MeshingJob& job_;
   std::optional<ReverseFlowResult> best_;
-  bool best_is_mapped_ = false;
+  std::optional<TetMesh> filled_;  // of best_
+  bool best_is_pulled_ = false;
   Error last_{ErrorCode::unsolved, "No flow was tried."};
   int maps_ = 0;
   TetMesh locked_once_;  // what was mapped in vain, in one way only
