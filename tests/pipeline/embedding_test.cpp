@@ -34,7 +34,8 @@ void expect_embedded(const Surface& s, const Made& m, double least_area) {
   EXPECT_TRUE(e.surface.V.allFinite());
   EXPECT_TRUE(find_self_intersections(e.surface.V, e.surface.F).empty());
   const std::set<Index> moved(e.moved.begin(), e.moved.end());
-  for (Index v = 0; v < s.V.rows(); ++v) EXPECT_EQ(e.surface.V.row(v) != s.V.row(v), moved.count(v) == 1) << v;
+  for (Index v = 0; v < s.V.rows(); ++v)
+    EXPECT_EQ(e.surface.V.row(v) != s.V.row(v), moved.count(v) == 1) << v;
   const EmbeddingQuality& q = e.quality;
   for (const RatioRange* r : {&q.area, &q.edge}) {
     EXPECT_LE(r->least, r->p01);
@@ -53,7 +54,8 @@ void expect_embedded(const Surface& s, const Made& m, double least_area) {
 }
 
 TEST(Embedding, SurfacesThatCrossThemselves) {
-  for (const Surface& s : {test::curled_worm(400, 12), test::elbow(150, 16)}) expect_embedded(s, made(s), 0.3);
+  for (const Surface& s : {test::curled_worm(400, 12), test::elbow(150, 16)})
+    expect_embedded(s, made(s), 0.3);
 }
 
 TEST(Embedding, OfAnyGenus) {
@@ -83,8 +85,8 @@ TEST(Embedding, NothingMovesWhereNothingCrosses) {
 // Components that cross each other: all but the largest are moved as they are, to where they cross nothing.
 TEST(Embedding, ComponentsAreLaidAside) {
   const Surface two = test::joined(test::sphere(1), test::sphere(1, 0.9, {0.7, 0, 0}));
-  const Surface more = test::joined(test::joined(two, test::sphere(1, 0.5, {0.3, 0.9, 0})),
-                                    test::curled_worm(400, 10));
+  const Surface more =
+      test::joined(test::joined(two, test::sphere(1, 0.5, {0.3, 0.9, 0})), test::curled_worm(400, 10));
   for (const Surface& s : {two, more}) {
     const Made m = made(s);
     expect_embedded(s, m, 0.3);
