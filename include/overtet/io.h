@@ -74,12 +74,12 @@ Result<Surface> read_surface(const std::string& path, SurfaceReadInfo* info = nu
 // names the line), io.
 Result<std::vector<double>> read_sizes(const std::string& path);
 
-enum class SurfaceFormat { off, obj, ply };  // PLY: binary, little endian, doubles
+enum class SurfaceFormat { off, obj, ply, vtp };  // PLY: binary, little endian, doubles; VTP: for ParaView
 
-// By extension: .off, .obj or .ply. Errors: usage.
+// By extension: .off, .obj, .ply or .vtp. Errors: usage.
 Result<SurfaceFormat> surface_format_of(const std::string& path);
 // labels: of the faces, if there are any, so that read_surface() has them again: numbers in OFF (after the
-// corners) and PLY (`label`); groups in OBJ, which are counted from 1 when they are read. Errors: io.
+// corners), PLY and VTP (`label`); groups in OBJ, which are counted from 1 when they are read. Errors: io.
 Status write_surface(const std::string& path, const Surface& surface, SurfaceFormat format,
                      const RunContext& context = {}, const Labels* labels = nullptr);
 

@@ -102,6 +102,9 @@ struct MeshingOptions {
   TetSizes sizes;
   std::string save_stages;  // folder for the intermediate states; empty: none
   std::string resume;       // folder to take them from; empty: none
+  // Folder for every state of the flows, as a film for ParaView (flow.pvd: V_0, V_t up to t*, and U_t back to
+  // U_0); empty: none. Of the presets that flow.
+  std::string save_flow;
 
   Status validate() const;  // Errors: usage. How many sizes there are is checked against the surface.
 };

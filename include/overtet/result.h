@@ -67,4 +67,8 @@ class [[nodiscard]] Result {
 using Status = Result<std::monostate>;
 inline Status success() { return Status(std::monostate{}); }
 
+// The exception that is being handled, as an error: `limit` where memory or threads ran out, `internal`
+// otherwise. For catch blocks around code that may throw.
+Error error_of_exception();
+
 }  // namespace overtet

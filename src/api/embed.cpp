@@ -1,9 +1,7 @@
 #include "overtet/embed.h"
 
-#include <exception>
 
 #include "src/pipeline/embedding.h"
-#include "src/run/exceptions.h"
 
 namespace overtet {
 
@@ -12,7 +10,7 @@ Result<Embedding> embed(const Surface& surface, const EmbedOptions& options, con
   try {
     Report unread;
     return embed_surface(surface, options, context, report ? *report : unread);
-  } catch (const std::exception&) {
+  } catch (...) {
     return error_of_exception();
   }
 }

@@ -7,7 +7,6 @@
 #include "kernels/parallel/parallel.h"
 #include "overtet/result.h"
 #include "overtet/run_context.h"
-#include "src/run/exceptions.h"
 #include "src/run/run_monitor.h"
 
 namespace overtet {

@@ -157,6 +157,10 @@ CLI::App* add_mesh(CLI::App& app, MeshCommand& mesh) {
   command->add_flag("--coarse", mesh.sizes.coarse,
                     "As few vertices inside as the angle of --improve (and the sizes) allow");
   command->add_option("--save-stages", mesh.save_stages, "Save the intermediate states in this folder");
+  command->add_option(
+      "--save-flow", mesh.save_flow,
+      "Of --preset paper and flow: save every state of the flows in this folder, as a film for ParaView "
+      "(flow.pvd)");
   command->add_option("--resume", mesh.resume,
                       "Continue from the states that --save-stages left in this folder");
   return command;
@@ -218,7 +222,7 @@ CLI::App* add_embed(CLI::App& app, EmbedCommand& embed) {
   command->add_option("INPUT", embed.input, surface_help())->required();
   command
       ->add_option("--output,-o", embed.output,
-                   "The embedding: .off, .obj or .ply; with .gz: compressed. Its faces are the input's")
+                   "The embedding: .off, .obj, .ply or .vtp; with .gz: compressed. Its faces are the input's")
       ->required();
   command->add_option("--report", embed.report,
                       "Write a JSON report to this file, even if there is no embedding");
@@ -588,11 +592,11 @@ namespace {
 // Says what the exception that is being handled means, and gives the exit code for it.
 int last_error() {
   try {
-    const Error error = explained(caught_error());
+    const Error error = explained(error_of_exception());
     std::fprintf(stderr, "overtet: %s\n", with_hint(error).c_str());
     return exit_code(error.code);
   } catch (...) {
-    end_for_memory("overtet: There is not enough memory.\n");
+    end_for_memory();
   }
 }
 

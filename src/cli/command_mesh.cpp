@@ -47,6 +47,7 @@ std::vector<Figure> options_of(const MeshCommand& c, const CommonOptions& common
   if (!c.sizes.file.empty()) o.emplace_back("size", c.sizes.file);
   if (c.sizes.coarse) o.emplace_back("coarse", true);
   if (!c.save_stages.empty()) o.emplace_back("save_stages", c.save_stages);
+  if (!c.save_flow.empty()) o.emplace_back("save_flow", c.save_flow);
   if (!c.resume.empty()) o.emplace_back("resume", c.resume);
   return o;
 }
@@ -166,6 +167,7 @@ MeshingOptions meshing_options(const MeshCommand& c) {
   o.sizes.max_edge = c.sizes.max_edge;
   o.sizes.coarse = c.sizes.coarse;
   o.save_stages = c.save_stages;
+  o.save_flow = c.save_flow;
   o.resume = c.resume;
   return o;
 }

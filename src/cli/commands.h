@@ -36,7 +36,7 @@ struct SizeWishes {
 
 // More than 12 members: what the user chose, option by option.
 struct MeshCommand {
-  std::string input, output, report, format, save_surface, save_stages, resume;
+  std::string input, output, report, format, save_surface, save_stages, save_flow, resume;
   std::string on_infeasible = "reject", preset = "default";
   std::string forward, reverse, map;  // pieces of the preset paper; empty: its own
   bool allow_branches = false, allow_flips = false;

@@ -9,9 +9,7 @@
 #include <cstdlib>
 #include <exception>
 #include <new>
-#include <string>
 #include <string_view>
-#include <system_error>
 
 #include "overtet/io.h"
 #include "src/cli/signals.h"
@@ -57,7 +55,7 @@ void end_of_program() {
     for_memory = true;
   } catch (...) {
   }
-  if (for_memory) end_for_memory("overtet: There is not enough memory.\n");
+  if (for_memory) end_for_memory();
   constexpr std::string_view words = "overtet: Internal error, please report it.\n";
   (void)!::write(STDERR_FILENO, words.data(), words.size());
   std::abort();
@@ -93,6 +91,10 @@ pthread_key_t thread_key() {
 }  // namespace
 
 void end_for_memory(std::string_view words) {
+  begin_to_end(exit_code(ErrorCode::limit));
+  if (has_met_memory_limit())
+    words = "overtet: The memory limit was reached; allow more with --memory-limit.\n";
+  if (words.empty()) words = "overtet: There is not enough memory.\n";
   (void)!::write(STDERR_FILENO, words.data(), words.size());
   end_at_once(exit_code(ErrorCode::limit));
 }
@@ -111,29 +113,12 @@ void install_memory_handlers() {
   std::set_terminate(last_words);
 }
 
-Error caught_error() {
-  try {
-    throw;
-  } catch (const std::bad_alloc&) {
-    return {ErrorCode::limit, "There is not enough memory for this model."};
-  } catch (const std::system_error& e) {
-    // Of threads that cannot be started.
-    if (e.code() == std::errc::resource_unavailable_try_again || e.code() == std::errc::not_enough_memory)
-      return {ErrorCode::limit, "There is not enough memory, or there are too many threads."};
-    return {ErrorCode::internal, std::string("Internal error, please report it: ") + e.what() + "."};
-  } catch (const std::exception& e) {
-    return {ErrorCode::internal, std::string("Internal error, please report it: ") + e.what() + "."};
-  } catch (...) {
-    return {ErrorCode::internal, "Internal error, please report it."};
-  }
-}
-
 }  // namespace overtet
 
 extern "C" int __cxa_thread_atexit(void (*destroy)(void*), void* object, void*) noexcept {
   using namespace overtet;
   auto* const end = static_cast<ThreadEnd*>(std::malloc(sizeof(ThreadEnd)));
-  if (!end) end_for_memory("overtet: There is not enough memory.\n");
+  if (!end) end_for_memory();
   *end = {destroy, object, thread_ends};
   thread_ends = end;
   (void)pthread_setspecific(thread_key(), end);

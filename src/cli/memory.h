@@ -13,11 +13,9 @@ namespace overtet {
 // so does a library that calls exit() (libgomp, OpenBLAS) before leaving() was called.
 void install_memory_handlers();
 void leaving();
-// Says so and ends the program; takes no memory.
-[[noreturn]] void end_for_memory(std::string_view words);
-
-// The exception that is being handled, as an error.
-Error caught_error();
+// Says so, in these words if there are any and no memory limit was met, and ends the program; takes no
+// memory.
+[[noreturn]] void end_for_memory(std::string_view words = {});
 
 // f(), which returns a Result; what it throws comes back as an error.
 template <class F>
@@ -25,7 +23,7 @@ auto caught(F&& f) -> decltype(f()) {
   try {
     return f();
   } catch (...) {
-    return caught_error();
+    return error_of_exception();
   }
 }
 

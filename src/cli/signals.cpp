@@ -40,7 +40,8 @@ Error memory_error(std::size_t limit) {
           .reason = ErrorReason::memory_limit};
 }
 
-// Where a watchdog has begun to end the program: until when, as a count of the clock, and with which code.
+// Where somebody has begun to end the program: until when, as a count of the clock, and with which code.
+std::atomic<bool> is_ending{false};
 std::atomic<std::int64_t> end_by{std::numeric_limits<std::int64_t>::max()};
 std::atomic<int> end_with{0};
 
@@ -100,6 +101,14 @@ std::thread quiet_thread(F&& f) {
 
 }  // namespace
 
+void begin_to_end(int code) {
+  if (is_ending.exchange(true))
+    for (;;) ::pause();
+  end_with = code;
+  end_by.store((std::chrono::steady_clock::now() + kLateTime).time_since_epoch().count(),
+               std::memory_order_release);
+}
+
 void end_at_once(int code) {
   try {
     remove_unfinished_files();
@@ -140,6 +149,8 @@ Error explained(Error error) {
   const std::size_t limit = braked_limit;
   return short_of_memory && limit > 0 ? memory_error(limit) : error;
 }
+
+bool has_met_memory_limit() { return braked_limit > 0; }
 
 Watchdog::Watchdog(const RunContext& context, Clock::time_point start, std::function<void(const Error&)> late)
     : deadline_(context.deadline), memory_limit_(context.memory_limit_bytes), late_(std::move(late)) {
@@ -196,8 +207,7 @@ void Watchdog::end(const Error& error) {
   State state = State::running;
   if (!state_.compare_exchange_strong(state, State::ending)) return;
   const int code = exit_code(error.code);
-  end_with = code;
-  end_by.store((Clock::now() + kLateTime).time_since_epoch().count(), std::memory_order_release);
+  begin_to_end(code);
   if (error.reason == ErrorReason::memory_limit) kill_children();
   try {
     late_(error);

@@ -29,6 +29,11 @@ int exit_code(ErrorCode code);
 
 // An allocation that failed near the memory limit did so for that.
 Error explained(Error error);
+bool has_met_memory_limit();
+
+// The thread that calls this ends the program soon, and says why: nobody else does, and any other thread that
+// calls this waits for the end. If saying it takes too long, the program ends without.
+void begin_to_end(int code);
 
 // Ends the program now; removes what it has not finished writing.
 [[noreturn]] void end_at_once(int code);

@@ -76,6 +76,7 @@ void write_gmsh41(TextWriter& out, const TetView& m);
 void write_vtu(TextWriter& out, const TetView& m);
 void write_vtk(TextWriter& out, const TetView& m);
 void write_boundary_vtp(TextWriter& out, const TetView& m);
+void write_surface_vtp(TextWriter& out, const TetView& m);  // all vertices, and labels only if there are any
 void write_abaqus(TextWriter& out, const TetView& m);
 void write_node(TextWriter& out, const TetView& m);
 void write_ele(TextWriter& out, const TetView& m);

@@ -143,7 +143,8 @@ class VtkParts {
     for (const Attribute& a : data_.field_data) {
       if (a.name == "region_names") out_.regions.names = names_of(a.values);
       if (a.name == "label_names") out_.labels.names = names_of(a.values);
-      if (a.name == "boundary_triangles" && a.width == 3) triangles = &a;
+      // The first, as they are written: data of theirs may bear the same name.
+      if (a.name == "boundary_triangles" && a.width == 3 && !triangles) triangles = &a;
     }
     if (!triangles || out_.tets.empty()) return success();
     const std::size_t count = triangles->values.size() / 3;

@@ -5,6 +5,7 @@
 #include "src/io/filled_file.h"
 #include "src/io/names.h"
 #include "src/io/surface_parts.h"
+#include "src/io/tet_view.h"
 #include "src/io/text.h"
 
 namespace overtet {
@@ -80,6 +81,15 @@ void write_ply(TextWriter& out, const Surface& s, const Labels& labels) {
   }
 }
 
+void write_vtp(TextWriter& out, const Surface& s, const Labels& labels) {
+  TetMesh points;
+  points.V = s.V;
+  MeshAttributes triangles;
+  triangles.triangles = s.F;
+  triangles.labels = labels;
+  io_detail::write_surface_vtp(out, io_detail::TetView(points, triangles, 1));
+}
+
 }  // namespace
 
 void io_detail::print_surface(TextWriter& out, const Surface& surface, SurfaceFormat format,
@@ -91,6 +101,8 @@ void io_detail::print_surface(TextWriter& out, const Surface& surface, SurfaceFo
       return write_obj(out, surface, labels);
     case SurfaceFormat::ply:
       return write_ply(out, surface, labels);
+    case SurfaceFormat::vtp:
+      return write_vtp(out, surface, labels);
   }
 }
 
@@ -99,7 +111,8 @@ Result<SurfaceFormat> surface_format_of(const std::string& path) {
   if (extension == "off") return SurfaceFormat::off;
   if (extension == "obj") return SurfaceFormat::obj;
   if (extension == "ply") return SurfaceFormat::ply;
-  return Error{ErrorCode::usage, "Surfaces are written as .off, .obj or .ply, not as " + path + "."};
+  if (extension == "vtp") return SurfaceFormat::vtp;
+  return Error{ErrorCode::usage, "Surfaces are written as .off, .obj, .ply or .vtp, not as " + path + "."};
 }
 
 Status write_surface(const std::string& path, const Surface& surface, SurfaceFormat format,

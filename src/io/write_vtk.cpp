@@ -236,6 +236,24 @@ void legacy_field(TextWriter& out, const std::vector<Attribute>& list) {
   }
 }
 
+void triangles_as_vtp(TextWriter& out, const TetView& m, std::int64_t points,
+                      const std::vector<Attribute>& cell_data) {
+  const TriangleMatrix& F = m.attributes.triangles;
+  std::vector<Attribute> names;
+  add_names(names, "label_names", m.attributes.labels);
+  xml_begin(out, "PolyData");
+  xml_arrays(out, "FieldData", names);
+  out.text("<Piece NumberOfPoints=\"").number(points);
+  out.text("\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"");
+  out.number(m.triangles()).text("\">\n");
+  xml_arrays(out, "PointData", point_data(m, points));
+  xml_arrays(out, "CellData", cell_data);
+  xml_points(out, m, points);
+  out.text("<Polys>\n");
+  xml_cells(out, {F.data(), F.data() + F.size()}, 3);
+  out.text("</Polys>\n</Piece>\n</PolyData>\n</VTKFile>\n");
+}
+
 }  // namespace
 
 void write_vtu(TextWriter& out, const TetView& m) {
@@ -261,20 +279,12 @@ void write_vtu(TextWriter& out, const TetView& m) {
 // The triangles with the vertices that they have: in our results those come first.
 void write_boundary_vtp(TextWriter& out, const TetView& m) {
   const TriangleMatrix& F = m.attributes.triangles;
-  const std::int64_t points = F.rows() == 0 ? 0 : std::int64_t{F.maxCoeff()} + 1;
-  std::vector<Attribute> names;
-  add_names(names, "label_names", m.attributes.labels);
-  xml_begin(out, "PolyData");
-  xml_arrays(out, "FieldData", names);
-  out.text("<Piece NumberOfPoints=\"").number(points);
-  out.text("\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"");
-  out.number(m.triangles()).text("\">\n");
-  xml_arrays(out, "PointData", point_data(m, points));
-  xml_arrays(out, "CellData", triangle_data(m));
-  xml_points(out, m, points);
-  out.text("<Polys>\n");
-  xml_cells(out, {F.data(), F.data() + F.size()}, 3);
-  out.text("</Polys>\n</Piece>\n</PolyData>\n</VTKFile>\n");
+  triangles_as_vtp(out, m, F.rows() == 0 ? 0 : std::int64_t{F.maxCoeff()} + 1, triangle_data(m));
+}
+
+void write_surface_vtp(TextWriter& out, const TetView& m) {
+  triangles_as_vtp(out, m, m.vertices(),
+                   m.attributes.labels.of.empty() ? std::vector<Attribute>{} : triangle_data(m));
 }
 
 void write_vtk(TextWriter& out, const TetView& m) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <exception>
 #include <optional>
 #include <string>
 #include <utility>
@@ -18,7 +17,6 @@
 #include "src/pipeline/stage_clock.h"
 #include "src/pipeline/unit_box.h"
 #include "src/reverse_flow/reverse_flow.h"
-#include "src/run/exceptions.h"
 #include "src/run/run_monitor.h"
 
 namespace overtet {
@@ -258,7 +256,7 @@ Result<Embedding> embed_surface(const Surface& surface, const EmbedOptions& opti
     try {
       out = embedded(surface, options, watch.context(), report);
       if (!out) out = watch.explained(out.error());
-    } catch (const std::exception&) {
+    } catch (...) {
       out = watch.explained(error_of_exception());
     }
     report.peak_rss_bytes = watch.peak_bytes();

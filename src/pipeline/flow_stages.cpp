@@ -27,6 +27,18 @@ Error damaged(const char* name) {
                                     " is damaged: it does not fit the input. Do not resume from it."};
 }
 
+// The forward flow as the first frames of a film, which the reverse flow goes on with.
+Status film(const MeshingJob& r, const ForwardFlowResult& flow) {
+  if (!r.film) return success();
+  r.film->begin();
+  const TriangleMatrix& F = r.surface.F;
+  if (Status s = r.film->add(r.surface.V, F); !s) return s;
+  for (std::size_t i = 0; i < flow.states.size(); ++i)
+    if (Status s = r.film->add(flow.state(r.surface.V, i), F); !s) return s;
+  if (Status s = r.film->add(flow.V, F); !s) return s;
+  return r.film->write_list();
+}
+
 }  // namespace
 
 Result<ForwardFlowResult> flow_forward(const MeshingJob& r, const ForwardFlowOptions& options) {
@@ -37,6 +49,7 @@ Result<ForwardFlowResult> flow_forward(const MeshingJob& r, const ForwardFlowOpt
                        Result<ForwardFlowResult> flowed = forward_flow(r.surface, pairs, options, r.context);
                        if (!flowed) return flowed;
                        const ForwardFlowResult& x = flowed.value();
+                       if (Status s = film(r, x); !s) return s.error();
                        record.iterations = static_cast<std::int64_t>(x.steps.size());
                        const FlowQuality quality = measure_quality(x.V, r.surface.V, r.surface.F);
                        record.figures = {{"attempts", std::int64_t{x.attempts}},
@@ -61,9 +74,17 @@ Result<ReverseFlowResult> flow_back(const MeshingJob& r, const ForwardFlowResult
         if (options.response == ReverseFlowOptions::ContactResponse::barrier)
           options.max_work = kReverseWork + kReverseWorkOfFace * static_cast<double>(r.surface.F.rows());
         options.max_seconds = std::min(options.max_seconds, kHalfTime * r.context.seconds_left());
+        Status filmed = success();
+        if (r.film)
+          options.on_state = [&](const VertexMatrix& U) {
+            if (filmed) filmed = r.film->add(U, r.surface.F);
+          };
         Result<ReverseFlowResult> back =
             reverse_flow(r.surface, forward.V, stages, forward.reverse_free, options, r.context);
+        if (filmed && r.film && back) filmed = r.film->add(back.value().U0, r.surface.F);
+        if (filmed && r.film) filmed = r.film->write_list();
         if (!back) return back;
+        if (!filmed) return filmed.error();
         const ReverseFlowResult& x = back.value();
         if (x.termination == ReverseFlowResult::Termination::time) say_cut(r, "The reverse flow");
         record.iterations = x.iterations;

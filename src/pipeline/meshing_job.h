@@ -8,6 +8,7 @@
 #include "overtet/run_context.h"
 #include "overtet/types.h"
 #include "src/certificates/diagnose.h"
+#include "src/pipeline/flow_series.h"
 #include "src/pipeline/pipeline.h"
 #include "src/pipeline/stage_files.h"
 #include "src/pipeline/unit_box.h"
@@ -24,6 +25,7 @@ struct MeshingJob {
   double patience = 1;                          // with TetGen; src/cdt/tetgen.h
   StageFiles* save = nullptr;                   // where to keep the states
   const StageFiles* resume = nullptr;           // states of an earlier run
+  FlowSeries* film = nullptr;                   // where to keep every state of the flows
   std::optional<Error> part_without_mesh = {};  // of a part that has none by itself: why
   PaperRecipe recipe = {};                      // of Preset::paper
   FlowMap flow_map = FlowMap::patch;            // of Preset::flow, and where the flow route comes last

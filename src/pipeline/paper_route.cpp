@@ -204,6 +204,7 @@ Result<TetMesh> mesh_by_paper(const MeshingJob& job) {
   for (std::size_t p = 0; p < parts.size(); ++p) {
     MeshingJob own{parts[p].surface, job.box, known[p], job.context, job.records};
     own.recipe = job.recipe;
+    own.film = job.film;
     own.allowed = job.allowed;
     Result<TetMesh> mesh = mesh_part(own);
     if (!mesh) return mesh;

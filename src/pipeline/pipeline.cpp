@@ -14,7 +14,6 @@
 #include "src/opening/opening.h"
 #include "src/pipeline/mesh_or_repair.h"
 #include "src/pipeline/stage_clock.h"
-#include "src/run/exceptions.h"
 #include "src/run/run_monitor.h"
 
 namespace overtet {
@@ -87,6 +86,8 @@ Status MeshingOptions::validate() const {
         ErrorCode::usage,
         "Stages are saved and resumed of the surface as it was read only: they do not go together with "
         "refining it or with branch lines."};
+  if (!save_flow.empty() && preset != Preset::paper && preset != Preset::flow)
+    return Error{ErrorCode::usage, "Only the presets paper and flow have a flow to save."};
   const auto good = [](double x) { return x >= 0 && std::isfinite(x); };
   if (!good(sizes.max_volume) || !good(sizes.max_edge))
     return Error{ErrorCode::usage,

@@ -118,6 +118,7 @@ Result<TetMesh> SurfaceRun::try_strategies() {
                  setup_.patience,
                  save_ ? &*save_ : nullptr,
                  resume_ ? &*resume_ : nullptr,
+                 film_ ? &*film_ : nullptr,
                  std::nullopt,
                  options_.recipe,
                  options_.flow_map,
@@ -181,6 +182,11 @@ Result<TetMesh> SurfaceRun::finish(Draft draft) {
 }
 
 Status SurfaceRun::open_files() {
+  if (!options_.save_flow.empty()) {
+    Result<FlowSeries> film = FlowSeries::create(options_.save_flow, found_.box);
+    if (!film) return film.error();
+    film_ = std::move(film).value();
+  }
   if (options_.resume.empty() && options_.save_stages.empty()) return success();
   const std::string hash = hash_of(input_);
   if (!options_.resume.empty()) {

@@ -70,6 +70,7 @@ class SurfaceRun {
   Inspection found_;
   Surface surface_;  // in the unit box
   std::optional<StageFiles> save_, resume_;
+  std::optional<FlowSeries> film_;
   std::optional<Eigen::Vector3d> unglued_;
   bool looked_closer_ = false;
 };

@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <compare>
 #include <cstring>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "kernels/core/assertions.h"
+#include "kernels/core/tet_tables.h"
 #include "kernels/core/triangles.h"
 #include "kernels/predicates/predicates.h"
 #include "src/mesh/local_operations.h"
@@ -57,6 +61,65 @@ int fixed_face(const TetComplex& mesh, const LocalOperations& work, Index t) {
 bool fixed_tet(const TetComplex& mesh, const LocalOperations& work, Index t) {
   const auto& c = mesh.tet(t);
   return work.fixed(c[0]) && work.fixed(c[1]) && work.fixed(c[2]) && work.fixed(c[3]);
+}
+
+// The tets that cannot be reached from the outer side of a face of the surface, without passing through
+// another one: TetGen fills cavities, too. Facets of `filled` are the faces, as vertex sets. Errors: unsolved
+// where a face has no tet left on its inner side.
+Result<TetMatrix> without_cavities(const TetgenResult& filled, const TriangleMatrix& F) {
+  struct Facet {
+    std::array<Index, 3> corners;  // sorted
+    Index face;
+    auto operator<=>(const Facet&) const = default;
+  };
+  std::vector<Facet> facets;
+  for (Eigen::Index f = 0; f < F.rows(); ++f) {
+    std::array<Index, 3> corners{F(f, 0), F(f, 1), F(f, 2)};
+    std::sort(corners.begin(), corners.end());
+    facets.push_back({corners, static_cast<Index>(f)});
+  }
+  std::sort(facets.begin(), facets.end());
+  const auto face_at = [&](std::array<Index, 3> corners) {
+    std::sort(corners.begin(), corners.end());
+    const auto found = std::lower_bound(facets.begin(), facets.end(), Facet{corners, 0});
+    return found != facets.end() && found->corners == corners ? found->face : -1;
+  };
+  const TetMatrix& T = filled.T;
+  std::vector<char> gone(static_cast<std::size_t>(T.rows()), 0);
+  std::vector<Index> stack;
+  const auto remove = [&](Index t) {
+    if (t < 0 || std::exchange(gone[static_cast<std::size_t>(t)], 1)) return;
+    stack.push_back(t);
+  };
+  for (Index t = 0; t < T.rows(); ++t)
+    for (int k = 0; k < 4; ++k) {
+      const std::array<Index, 3> outward = tet_face(T.row(t), k);
+      const Index f = face_at(outward);
+      if (f >= 0 && rotated(outward) != rotated(std::array<Index, 3>{F(f, 0), F(f, 1), F(f, 2)})) remove(t);
+    }
+  while (!stack.empty()) {
+    const Index t = stack.back();
+    stack.pop_back();
+    for (int k = 0; k < 4; ++k)
+      if (face_at(tet_face(T.row(t), k)) < 0) remove(filled.neighbours(t, k));
+  }
+  TetMatrix kept(std::count(gone.begin(), gone.end(), 0), 4);
+  Eigen::Index next = 0;
+  std::vector<char> has_tet(static_cast<std::size_t>(F.rows()), 0);
+  for (Index t = 0; t < T.rows(); ++t) {
+    if (gone[static_cast<std::size_t>(t)]) continue;
+    kept.row(next++) = T.row(t);
+    for (int k = 0; k < 4; ++k)
+      if (const Index f = face_at(tet_face(T.row(t), k)); f >= 0) has_tet[static_cast<std::size_t>(f)] = 1;
+  }
+  const auto bare = std::find(has_tet.begin(), has_tet.end(), 0);
+  if (bare != has_tet.end())
+    return Error{
+        ErrorCode::unsolved,
+        "There is no solid behind face " + std::to_string(bare - has_tet.begin()) +
+            " (counted from 0) of the embedding: its component faces inwards, as a cavity does, but lies in "
+            "no other one."};
+  return kept;
 }
 
 Status pre_split(TetComplex& mesh, TetMeshResult& result, const RunContext& context) {
@@ -127,7 +190,9 @@ Result<TetMeshResult> tet_mesh(const Surface& embedded, const TetMeshOptions& op
   result.tetgen_seconds = filled.value().seconds;
   result.tetgen_peak_rss_bytes = filled.value().peak_rss_bytes;
 
-  TetComplex mesh(filled.value().V, filled.value().T);
+  const Result<TetMatrix> solid = without_cavities(filled.value(), embedded.F);
+  if (!solid) return solid.error();
+  TetComplex mesh(filled.value().V, solid.value());
   if (options.pre_splits)
     if (auto status = pre_split(mesh, result, context); !status.ok()) return status.error();
   const Index n = static_cast<Index>(embedded.V.rows());

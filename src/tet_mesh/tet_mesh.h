@@ -1,8 +1,8 @@
 // The stage that fills the embedded surface U0 with tets (Sacht et al. 2013, section 3, step 3), ready for
-// the volume map: the surface's faces are the boundary, its vertices come first, and no tet, interior face or
-// interior edge has boundary vertices only. Such an element could not follow the boundary to its final
-// place: where the surface folds onto itself, a tet with four boundary vertices has a volume that is
-// decided by the input alone.
+// the volume map: the surface's faces are the boundary (components that face inwards bound cavities), its
+// vertices come first, and no tet, interior face or interior edge has boundary vertices only. Such an element
+// could not follow the boundary to its final place: where the surface folds onto itself, a tet with four
+// boundary vertices has a volume that is decided by the input alone.
 #pragma once
 
 #include "overtet/result.h"
@@ -29,7 +29,8 @@ struct TetMeshResult {
 };
 
 // pre: `embedded` is closed and does not intersect itself; outward faces.
-// Errors: those of tetrahedralize(); unsolved when a split is not possible in double precision.
+// Errors: those of tetrahedralize(); unsolved when a cavity lies in no solid, or when a split is not possible
+// in double precision.
 Result<TetMeshResult> tet_mesh(const Surface& embedded, const TetMeshOptions& options,
                                const RunContext& context);
 

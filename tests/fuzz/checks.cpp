@@ -189,8 +189,9 @@ void check_round_trip(const Surface& s, const Labels& labels, std::uint64_t choi
     const char* path;
   } formats[] = {{SurfaceFormat::off, "again.off"},
                  {SurfaceFormat::obj, "again.obj"},
-                 {SurfaceFormat::ply, "again.ply"}};
-  const auto& [format, path] = formats[choice % 3];
+                 {SurfaceFormat::ply, "again.ply"},
+                 {SurfaceFormat::vtp, "again.vtp"}};
+  const auto& [format, path] = formats[choice % std::size(formats)];
   std::string bytes;
   TextWriter out(bytes);
   io_detail::print_surface(out, s, format, labels);

@@ -374,7 +374,7 @@ TEST(SurfaceIo, DamagedFilesNeverCrash) {
   std::mt19937_64 random(seed);
   const TemporaryFolder folder;
   const Surface s = test::sphere(1);
-  for (const char* name : {"a.off", "a.obj", "a.ply"}) {
+  for (const char* name : {"a.off", "a.obj", "a.ply", "a.vtp"}) {
     ASSERT_TRUE(write_surface(folder.file(name), s, surface_format_of(name).value()).ok());
     const std::string good = test::read_text(folder.file(name));
     for (int i = 0; i < 300; ++i) {
@@ -402,7 +402,7 @@ TEST(SurfaceIo, WrittenSurfacesReadBackToTheBit) {
   s.V(1, 1) = -0x1.0000000000001p+300;
   s.V(2, 2) = 0x0.0000000000001p-1022;
   s.V(3, 0) = -0.0;
-  for (const char* name : {"a.off", "a.obj", "a.ply"}) {
+  for (const char* name : {"a.off", "a.obj", "a.ply", "a.vtp"}) {
     ASSERT_TRUE(write_surface(folder.file(name), s, surface_format_of(name).value()).ok());
     const Result<Surface> r = read_surface(folder.file(name));
     ASSERT_TRUE(r.ok()) << r.error().message;
@@ -412,7 +412,7 @@ TEST(SurfaceIo, WrittenSurfacesReadBackToTheBit) {
         << name;
     EXPECT_EQ(r.value().F, s.F) << name;
   }
-  EXPECT_EQ(folder.entries(), 3);  // nothing beside the files
+  EXPECT_EQ(folder.entries(), 4);  // nothing beside the files
 }
 
 }  // namespace

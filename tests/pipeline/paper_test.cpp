@@ -2,12 +2,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdio>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "kernels/predicates/predicates.h"
+#include "overtet/io.h"
 #include "overtet/verification.h"
 #include "src/pipeline/pipeline.h"
+#include "tests/support/files.h"
 #include "tests/support/models.h"
 #include "tests/support/noise.h"
 
@@ -61,6 +66,34 @@ TEST(PresetPaper, IsExactWhereNothingHinges) {
     EXPECT_EQ(stage(r, "improve"), nullptr);
     EXPECT_EQ(figure(stage(r, "turns"), "branch_edges"), 0);
   }
+}
+
+// V_0 first, a frame a step, and last the U_0 that the tet mesh is of.
+TEST(PresetPaper, FilmOfTheFlowGoesFromTheSurfaceToItsEmbedding) {
+  const TemporaryFolder folder;
+  const Surface s = test::curled_worm(390, 12);
+  MeshingOptions o = recipe(PaperRecipe::Map::lim);
+  o.save_flow = folder.file("film");
+  o.save_stages = folder.file("stages");
+  const PipelineResult r = run_pipeline(s, o, {});
+  ASSERT_EQ(r.report.status, RunStatus::exact) << r.report.message;
+  const std::string list = test::read_text(folder.file("film/flow.pvd"));
+  std::vector<Surface> frames;
+  for (char name[32]; std::snprintf(name, sizeof name, "flow_%04zu.vtp", frames.size()) > 0;) {
+    if (list.find(std::string("\"") + name + "\"") == std::string::npos) break;
+    const Result<Surface> frame = read_surface(folder.file(std::string("film/") + name));
+    ASSERT_TRUE(frame.ok()) << frame.error().message;
+    ASSERT_EQ(frame.value().F, s.F);
+    frames.push_back(frame.value());
+  }
+  const auto steps = [&](const char* name) { return static_cast<std::size_t>(stage(r, name)->iterations); };
+  EXPECT_GE(frames.size(), 3 + steps("reverse_flow"));
+  EXPECT_LE(frames.size(), 3 + steps("forward_flow") + steps("reverse_flow"));
+  ASSERT_FALSE(frames.empty());
+  EXPECT_EQ(frames.front().V, s.V);
+  const Result<Surface> embedded = read_surface(folder.file("stages/embedded.ply"));
+  ASSERT_TRUE(embedded.ok());
+  EXPECT_EQ(frames.back().V, embedded.value().V);
 }
 
 TEST(PresetPaper, OfAHingedLimbItSaysWhatItGot) {
@@ -126,6 +159,15 @@ TEST(PresetPaper, PartsAreMeshedOneByOne) {
   for (const Surface& s :
        {test::two_spheres(), test::joined(test::curled_worm(390, 10), test::sphere(2, 1, {0.5, 0, 0}))}) {
     const PipelineResult r = run_pipeline(s, recipe(PaperRecipe::Map::lim), {});
+    EXPECT_EQ(r.report.status, RunStatus::exact) << r.report.message;
+    EXPECT_TRUE(verify(s, r.mesh).ok());
+  }
+}
+
+TEST(PresetPaper, CavitiesStayEmpty) {
+  const Surface s = test::sphere_with_cavity();
+  for (const PaperRecipe::Map map : {PaperRecipe::Map::lim, PaperRecipe::Map::arap, PaperRecipe::Map::pull}) {
+    const PipelineResult r = run_pipeline(s, recipe(map), {});
     EXPECT_EQ(r.report.status, RunStatus::exact) << r.report.message;
     EXPECT_TRUE(verify(s, r.mesh).ok());
   }

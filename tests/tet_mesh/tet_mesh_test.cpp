@@ -2,14 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/models.h"
 #include "tests/support/tet_shapes.h"
 
 namespace overtet {
 namespace {
 
 TEST(TetMeshStage, PostconditionsHold) {
-  for (const Surface& s :
-       {test::box_surface(1, 1, 1), test::sphere_surface(2), test::torus_surface(20, 8, 2, .4)})
+  for (const Surface& s : {test::box_surface(1, 1, 1), test::sphere_surface(2),
+                           test::torus_surface(20, 8, 2, .4), test::sphere_with_cavity()})
     for (const bool quality : {true, false})
       for (const bool splits : {true, false}) {
         TetMeshOptions options;
@@ -47,6 +48,15 @@ TEST(TetMeshStage, AnOpenSurfaceIsAnError) {
   Surface s = test::sphere_surface(1);
   s.F.conservativeResize(s.F.rows() - 1, 3);
   const auto r = tet_mesh(s, {}, {});
+  ASSERT_FALSE(r.ok());
+  EXPECT_EQ(ErrorCode::unsolved, r.error().code);
+}
+
+TEST(TetMeshStage, ACavityOutsideIsAnError) {
+  Surface bubble = test::sphere_surface(1);
+  bubble.V.col(0).array() += 5;
+  bubble.F.col(1).swap(bubble.F.col(2));
+  const auto r = tet_mesh(test::joined(test::sphere_surface(1), bubble), {}, {});
   ASSERT_FALSE(r.ok());
   EXPECT_EQ(ErrorCode::unsolved, r.error().code);
 }
