@@ -1,6 +1,5 @@
 #include "overtet/embed.h"
 
-
 #include "src/pipeline/embedding.h"
 
 namespace overtet {
