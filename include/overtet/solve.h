@@ -1,6 +1,6 @@
-// Fields on tet meshes that overlap themselves: what the meshes are for (Sacht et al. 2013, section 5). A field has a
-// value at every node of the mesh, so it has two in a place where two layers of the solid overlap, and
-// neither knows of the other.
+// Fields on tet meshes that overlap themselves: what the meshes are for (Sacht et al. 2013, section 5). A
+// field has a value at every node of the mesh, so it has two in a place where two layers of the solid
+// overlap, and neither knows of the other.
 //
 // Nodes are the vertices of the mesh; of quadratic elements (order 2) also the middles of its edges, which
 // follow them as in files of second order (io.h). All results are the same bytes on any number of threads.
@@ -23,8 +23,8 @@ namespace overtet {
 // Of a place. It may be called from several threads at a time.
 using ScalarFunction = std::function<double(const Eigen::Vector3d&)>;
 
-// A function on part of the boundary: all of it, the triangles with a label, or (of values only) some vertices,
-// which may lie inside, too.
+// A function on part of the boundary: all of it, the triangles with a label, or (of values only) some
+// vertices, which may lie inside, too.
 struct BoundaryValue {
   std::optional<Index> label;
   std::vector<Index> vertices;
@@ -42,7 +42,8 @@ struct FieldOptions {
   int order = 1;  // of the elements: 1 or, but for the biharmonic equation, 2
   // Given u; where two of them meet, the later one counts. At least one a connected component of the tets.
   std::vector<BoundaryValue> values;
-  // Given du/dn, along the normal that points outwards; the sum where several are given for a triangle. 0 elsewhere.
+  // Given du/dn, along the normal that points outwards; the sum where several are given for a triangle. 0
+  // elsewhere.
   std::vector<BoundaryValue> fluxes;
   ScalarFunction source;  // f; none: 0
 
@@ -59,11 +60,12 @@ struct Field {
 };
 
 // Galerkin's method; the biharmonic equation as two of second order (-Laplace(u) = v, -Laplace(v) = f) with a
-// lumped mass matrix, the fluxes holding weakly. pre: every tet is positive, indices are in range. Errors: usage (options;
-// a label that no triangle has; a vertex that does not exist; a component of the tets without a given value), bad_input (a
-// function's value that is not finite: the message has the place), unsolved (the system is not positive definite in doubles),
-// limit, interrupted.
-Result<Field> solve_field(const LabelledTetMesh& mesh, const FieldOptions& options, const RunContext& context = {});
+// lumped mass matrix, the fluxes holding weakly. pre: every tet is positive, indices are in range. Errors:
+// usage (options; a label that no triangle has; a vertex that does not exist; a component of the tets without
+// a given value), bad_input (a function's value that is not finite: the message has the place), unsolved (the
+// system is not positive definite in doubles), limit, interrupted.
+Result<Field> solve_field(const LabelledTetMesh& mesh, const FieldOptions& options,
+                          const RunContext& context = {});
 
 struct DistanceOptions {
   // Of the heat's time, in squares of the mean edge length: more is smoother and less exact.
@@ -72,8 +74,9 @@ struct DistanceOptions {
   Status validate() const;  // Errors: usage.
 };
 
-// Geodesic distances inside the solid, which the overlap does not shorten, by the heat method [Crane, Weischedel, Wardetzky 2013]
-// with linear elements: two systems that are factored once, for any number of sources.
+// Geodesic distances inside the solid, which the overlap does not shorten, by the heat method [Crane,
+// Weischedel, Wardetzky 2013] with linear elements: two systems that are factored once, for any number of
+// sources.
 class Distances {
  public:
   // Errors: usage, unsolved, limit, interrupted. The mesh is not kept.
@@ -83,8 +86,8 @@ class Distances {
   Distances(Distances&&) noexcept;
   Distances& operator=(Distances&&) noexcept;
 
-  // By vertex: the distance from the nearest source; infinity where no way leads. Errors: usage (no source, or a
-  // vertex that does not exist), limit, interrupted.
+  // By vertex: the distance from the nearest source; infinity where no way leads. Errors: usage (no source,
+  // or a vertex that does not exist), limit, interrupted.
   Result<Eigen::VectorXd> from(std::span<const Index> sources, const RunContext& context = {}) const;
 
  private:

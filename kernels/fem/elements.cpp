@@ -53,8 +53,8 @@ double integral(const std::array<int, 4>& power, int dimension) {
   return top / factorial(sum + dimension);
 }
 
-// The product of grad N_i and grad N_j, integrated, of quadratic elements: of two corners, a corner and an edge,
-// two edges.
+// The product of grad N_i and grad N_j, integrated, of quadratic elements: of two corners, a corner and an
+// edge, two edges.
 double quadratic_stiffness(const TetShape& s, int i, int j) {
   if (i > j) std::swap(i, j);
   const auto dot = [&](int a, int b) { return s.gradient.row(a).dot(s.gradient.row(b)); };
@@ -79,7 +79,8 @@ Eigen::MatrixXd reference_mass(int dimension, int order) {
         for (const Term& b : shapes[j]) {
           std::array<int, 4> power = a.power;
           for (std::size_t k = 0; k < 4; ++k) power[k] += b.power[k];
-          M(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) += a.factor * b.factor * integral(power, dimension);
+          M(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) +=
+              a.factor * b.factor * integral(power, dimension);
         }
   return M;
 }
@@ -112,7 +113,8 @@ TetElements::TetElements(const VertexMatrix& V, const TetMatrix& T, int order)
 
 void TetElements::add_middles(const VertexMatrix& V) {
   edge_ = parallel_collect<std::array<Index, 2>>(
-      tets(), kElementGrain, [&](std::int64_t begin, std::int64_t end, std::vector<std::array<Index, 2>>& list) {
+      tets(), kElementGrain,
+      [&](std::int64_t begin, std::int64_t end, std::vector<std::array<Index, 2>>& list) {
         for (std::int64_t t = begin; t < end; ++t)
           for (const auto& [i, j] : kTetEdge)
             list.push_back({std::min(node_(t, i), node_(t, j)), std::max(node_(t, i), node_(t, j))});
@@ -129,7 +131,8 @@ void TetElements::add_middles(const VertexMatrix& V) {
   });
   parallel_for(tets(), kElementGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t t = begin; t < end; ++t)
-      for (int e = 0; e < 6; ++e) node_(t, 4 + e) = middle(node_(t, kTetEdge[e][0]), node_(t, kTetEdge[e][1]));
+      for (int e = 0; e < 6; ++e)
+        node_(t, 4 + e) = middle(node_(t, kTetEdge[e][0]), node_(t, kTetEdge[e][1]));
   });
 }
 
@@ -158,13 +161,15 @@ template <class Entry>
 SymmetricMatrix TetElements::assemble(Entry&& entry) const {
   const int each = nodes_each();
   const auto visit = [&](Index column, auto&& f) {
-    for (std::int64_t at = first_[static_cast<std::size_t>(column)]; at < first_[static_cast<std::size_t>(column) + 1]; ++at) {
+    for (std::int64_t at = first_[static_cast<std::size_t>(column)];
+         at < first_[static_cast<std::size_t>(column) + 1]; ++at) {
       const auto& [t, j] = incidences_[static_cast<std::size_t>(at)];
       for (int i = 0; i < each; ++i)
         if (node_(t, i) >= column) f(t, i, j);
     }
   };
-  std::vector<std::vector<Index>> rows_of_block(static_cast<std::size_t>((nodes() + kElementGrain - 1) / kElementGrain));
+  std::vector<std::vector<Index>> rows_of_block(
+      static_cast<std::size_t>((nodes() + kElementGrain - 1) / kElementGrain));
   SymmetricMatrix A(nodes(), nodes());
   int* const start = A.outerIndexPtr();
   parallel_for(nodes(), kElementGrain, [&](std::int64_t begin, std::int64_t end) {
@@ -205,8 +210,10 @@ Eigen::VectorXd TetElements::gather(Part&& part) const {
   parallel_for(nodes(), kElementGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t v = begin; v < end; ++v) {
       double sum = 0;
-      for (std::int64_t at = first_[static_cast<std::size_t>(v)]; at < first_[static_cast<std::size_t>(v) + 1]; ++at)
-        sum += part(incidences_[static_cast<std::size_t>(at)].tet, incidences_[static_cast<std::size_t>(at)].corner);
+      for (std::int64_t at = first_[static_cast<std::size_t>(v)];
+           at < first_[static_cast<std::size_t>(v) + 1]; ++at)
+        sum += part(incidences_[static_cast<std::size_t>(at)].tet,
+                    incidences_[static_cast<std::size_t>(at)].corner);
       out[v] = sum;
     }
   });
@@ -240,8 +247,9 @@ Eigen::VectorXd TetElements::energy(const Eigen::VectorXd& u) const {
       double sum = 0;
       for (int i = 0; i < nodes_each(); ++i)
         for (int j = 0; j < nodes_each(); ++j) {
-          const double k = order_ == 2 ? quadratic_stiffness(shape(tet), i, j)
-                                       : shape(tet).volume * shape(tet).gradient.row(i).dot(shape(tet).gradient.row(j));
+          const double k =
+              order_ == 2 ? quadratic_stiffness(shape(tet), i, j)
+                          : shape(tet).volume * shape(tet).gradient.row(i).dot(shape(tet).gradient.row(j));
           sum += k * u[node(tet, i)] * u[node(tet, j)];
         }
       out[t] = sum / 2;
@@ -256,8 +264,7 @@ VertexMatrix TetElements::gradient(const Eigen::VectorXd& u) const {
   parallel_for(tets(), kElementGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t t = begin; t < end; ++t) {
       Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
-      for (int k = 0; k < 4; ++k)
-        sum += u[node_(t, k)] * shape(static_cast<Index>(t)).gradient.row(k);
+      for (int k = 0; k < 4; ++k) sum += u[node_(t, k)] * shape(static_cast<Index>(t)).gradient.row(k);
       out.row(t) = sum;
     }
   });

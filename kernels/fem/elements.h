@@ -1,10 +1,11 @@
 // Linear and quadratic finite elements on tets [Ciarlet 1978, section 2.2]: nodes, and the matrices of
 // -Laplace and of mass, as lower triangles.
 //
-// Nodes are the vertices and, of quadratic elements, the middles of the edges, which follow them in the order of
-// (smaller vertex, larger vertex): the order in which tets of second order are written (overtet/io.h). Tets have
-// straight edges, so that their integrals are polynomials of the gradients of barycentric coordinates and exact up to rounding. Entries are
-// sums over tets in their order: the same bytes on any number of threads.
+// Nodes are the vertices and, of quadratic elements, the middles of the edges, which follow them in the order
+// of (smaller vertex, larger vertex): the order in which tets of second order are written (overtet/io.h).
+// Tets have straight edges, so that their integrals are polynomials of the gradients of barycentric
+// coordinates and exact up to rounding. Entries are sums over tets in their order: the same bytes on any
+// number of threads.
 #pragma once
 
 #include <Eigen/Core>
@@ -35,8 +36,10 @@ class TetElements {
   int nodes_each() const { return order_ == 1 ? 4 : 10; }
   Index nodes() const { return static_cast<Index>(place_.rows()); }
   Index tets() const { return static_cast<Index>(node_.rows()); }
-  const VertexMatrix& places() const { return place_; }      // #N x 3
-  Index node(Index t, int k) const { return node_(t, k); }   // k: a corner, or 4 + the number of an edge (kTetEdge)
+  const VertexMatrix& places() const { return place_; }  // #N x 3
+  Index node(Index t, int k) const {
+    return node_(t, k);
+  }  // k: a corner, or 4 + the number of an edge (kTetEdge)
   const TetShape& shape(Index t) const { return shape_[static_cast<std::size_t>(t)]; }
   // Between two vertices that an edge joins.
   Index middle(Index a, Index b) const;
@@ -74,8 +77,8 @@ class TetElements {
   std::vector<Incidence> incidences_;
 };
 
-// The integrals of N_i N_j over a simplex of volume 1, of dimension 2 or 3: nodes are its corners, then (order
-// 2) the middles of its edges in lexicographic order.
+// The integrals of N_i N_j over a simplex of volume 1, of dimension 2 or 3: nodes are its corners, then
+// (order 2) the middles of its edges in lexicographic order.
 Eigen::MatrixXd reference_mass(int dimension, int order);
 
 }  // namespace overtet

@@ -8,7 +8,8 @@ namespace overtet {
 
 Result<Field> solve_field(const LabelledTetMesh& mesh, const FieldOptions& options, const RunContext& outer) {
   if (Status valid = options.validate(); !valid) return valid.error();
-  return guarded(outer, [&](const RunContext& context) { return solve_detail::field(mesh, options, context); });
+  return guarded(outer,
+                 [&](const RunContext& context) { return solve_detail::field(mesh, options, context); });
 }
 
 struct Distances::Impl {
@@ -20,7 +21,8 @@ Distances::~Distances() = default;
 Distances::Distances(Distances&&) noexcept = default;
 Distances& Distances::operator=(Distances&&) noexcept = default;
 
-Result<Distances> Distances::prepare(const TetMesh& mesh, const DistanceOptions& options, const RunContext& outer) {
+Result<Distances> Distances::prepare(const TetMesh& mesh, const DistanceOptions& options,
+                                     const RunContext& outer) {
   if (Status valid = options.validate(); !valid) return valid.error();
   return guarded(outer, [&](const RunContext& context) -> Result<Distances> {
     Result<solve_detail::HeatMethod> method = solve_detail::HeatMethod::prepare(mesh, options, context);

@@ -25,7 +25,8 @@ Result<Eigen::VectorXd> solved(const SparseCholesky& factor, const Eigen::Vector
   if (b.size() == 0) return b;
   VertexMatrix right = VertexMatrix::Zero(b.size(), 3), left;
   right.col(0) = b;
-  if (!factor.solve(right, left)) return Error{ErrorCode::limit, "There is not enough memory to solve this system."};
+  if (!factor.solve(right, left))
+    return Error{ErrorCode::limit, "There is not enough memory to solve this system."};
   return Eigen::VectorXd(left.col(0));
 }
 
@@ -39,9 +40,11 @@ Status DistanceOptions::validate() const {
 
 namespace solve_detail {
 
-HeatMethod::HeatMethod(const TetMesh& mesh) : elements_(mesh.V, mesh.T, 1), components_(components_of(mesh.V, mesh.T)) {}
+HeatMethod::HeatMethod(const TetMesh& mesh)
+    : elements_(mesh.V, mesh.T, 1), components_(components_of(mesh.V, mesh.T)) {}
 
-Result<HeatMethod> HeatMethod::prepare(const TetMesh& mesh, const DistanceOptions& options, const RunContext& context) {
+Result<HeatMethod> HeatMethod::prepare(const TetMesh& mesh, const DistanceOptions& options,
+                                       const RunContext& context) {
   HeatMethod x(mesh);
   x.number_.assign(static_cast<std::size_t>(mesh.V.rows()), -1);
   x.held_ = x.number_;
@@ -102,7 +105,8 @@ Result<Eigen::VectorXd> HeatMethod::from(std::span<const Index> sources, const R
     const Index n = held_[static_cast<std::size_t>(v)];
     distance[v] = n >= 0 ? potential.value()[n] : 0;
   }
-  // 0 at the sources: on the average, as each of them is only nearly as far from the others as the method says.
+  // 0 at the sources: on the average, as each of them is only nearly as far from the others as the method
+  // says.
   std::vector<double> offset(components_.first_tet.size(), 0), count(offset.size(), 0);
   for (const Index v : sources) {
     const auto c = static_cast<std::size_t>(components_.of_vertex[static_cast<std::size_t>(v)]);

@@ -14,7 +14,8 @@ namespace overtet::solve_detail {
 // See Distances.
 class HeatMethod {
  public:
-  static Result<HeatMethod> prepare(const TetMesh& mesh, const DistanceOptions& options, const RunContext& context);
+  static Result<HeatMethod> prepare(const TetMesh& mesh, const DistanceOptions& options,
+                                    const RunContext& context);
   Result<Eigen::VectorXd> from(std::span<const Index> sources, const RunContext& context) const;
 
  private:

@@ -30,7 +30,10 @@ Error not_finite(const char* what, const Eigen::Vector3d& p) {
 class FieldSystem {
  public:
   FieldSystem(const LabelledTetMesh& mesh, const FieldOptions& options, const RunContext& context)
-      : mesh_(mesh), options_(options), context_(context), elements_(mesh.mesh.V, mesh.mesh.T, options.order) {}
+      : mesh_(mesh),
+        options_(options),
+        context_(context),
+        elements_(mesh.mesh.V, mesh.mesh.T, options.order) {}
 
   Result<Field> solve() {
     const auto begin = Clock::now();
@@ -41,7 +44,8 @@ class FieldSystem {
     stiffness_ = elements_.stiffness();
     Field field;
     field.seconds_assembly = since(begin);
-    Status done = options_.equation == FieldEquation::biharmonic ? solve_fourth_order(field) : solve_second_order(field);
+    Status done = options_.equation == FieldEquation::biharmonic ? solve_fourth_order(field)
+                                                                 : solve_second_order(field);
     if (!done) return done.error();
     field.nodes = elements_.places();
     field.energy = elements_.energy(field.values).sum();
@@ -54,7 +58,8 @@ class FieldSystem {
     const TriangleMatrix& F = mesh_.attributes.triangles;
     std::vector<Index> nodes{F(f, 0), F(f, 1), F(f, 2)};
     if (options_.order == 2)
-      for (const auto& [i, j] : {std::pair{0, 1}, {0, 2}, {1, 2}}) nodes.push_back(elements_.middle(F(f, i), F(f, j)));
+      for (const auto& [i, j] : {std::pair{0, 1}, {0, 2}, {1, 2}})
+        nodes.push_back(elements_.middle(F(f, i), F(f, j)));
     return nodes;
   }
 
@@ -69,9 +74,10 @@ class FieldSystem {
       if (Status s = f(i); !s) return s;
     }
     if (found) return success();
-    return Error{ErrorCode::usage, given.label ? "No triangle of the mesh has the label " + std::to_string(*given.label) + "."
-                                               : std::string("The mesh has no boundary triangles; write it with its boundary, "
-                                                             "or give values at vertices.")};
+    return Error{ErrorCode::usage,
+                 given.label ? "No triangle of the mesh has the label " + std::to_string(*given.label) + "."
+                             : std::string("The mesh has no boundary triangles; write it with its boundary, "
+                                           "or give values at vertices.")};
   }
 
   Status give_values() {
@@ -104,12 +110,14 @@ class FieldSystem {
     const Components components = components_of(mesh_.mesh.V, mesh_.mesh.T);
     std::vector<char> has(components.first_tet.size(), 0);
     for (std::size_t v = 0; v < components.of_vertex.size(); ++v)
-      if (given_[v] && components.of_vertex[v] >= 0) has[static_cast<std::size_t>(components.of_vertex[v])] = 1;
+      if (given_[v] && components.of_vertex[v] >= 0)
+        has[static_cast<std::size_t>(components.of_vertex[v])] = 1;
     const auto bare = std::find(has.begin(), has.end(), 0);
     if (bare == has.end()) return success();
-    return Error{ErrorCode::usage, "No value is given in the component of tet " +
-                                       std::to_string(components.first_tet[static_cast<std::size_t>(bare - has.begin())]) +
-                                       " (counted from 0), so that the field there is not determined."};
+    return Error{ErrorCode::usage,
+                 "No value is given in the component of tet " +
+                     std::to_string(components.first_tet[static_cast<std::size_t>(bare - has.begin())]) +
+                     " (counted from 0), so that the field there is not determined."};
   }
 
   Status add_source() {
@@ -153,7 +161,8 @@ class FieldSystem {
   std::vector<Index> free_nodes(Index& count) const {
     std::vector<char> used(static_cast<std::size_t>(elements_.nodes()), 0);
     for (Index t = 0; t < elements_.tets(); ++t)
-      for (int k = 0; k < elements_.nodes_each(); ++k) used[static_cast<std::size_t>(elements_.node(t, k))] = 1;
+      for (int k = 0; k < elements_.nodes_each(); ++k)
+        used[static_cast<std::size_t>(elements_.node(t, k))] = 1;
     std::vector<Index> number(used.size(), -1);
     count = 0;
     for (std::size_t v = 0; v < number.size(); ++v)
@@ -161,8 +170,10 @@ class FieldSystem {
     return number;
   }
 
-  // Solves A x = b for the free nodes; the others have their values. b: of the free nodes, those moved over already.
-  Status solve_free(const SymmetricMatrix& A, const Eigen::VectorXd& b, const std::vector<Index>& number, Field& field) {
+  // Solves A x = b for the free nodes; the others have their values. b: of the free nodes, those moved over
+  // already.
+  Status solve_free(const SymmetricMatrix& A, const Eigen::VectorXd& b, const std::vector<Index>& number,
+                    Field& field) {
     auto begin = Clock::now();
     Result<SparseCholesky> factor = factored(A, context_);
     if (!factor) return factor.error();

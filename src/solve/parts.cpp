@@ -30,7 +30,8 @@ SymmetricMatrix kept_part(const SymmetricMatrix& A, const std::vector<Index>& nu
     if (column < 0) continue;
     out.startVec(column);
     for (SymmetricMatrix::InnerIterator it(A, j); it; ++it)
-      if (const Index row = number[static_cast<std::size_t>(it.row())]; row >= 0) out.insertBack(row, column) = it.value();
+      if (const Index row = number[static_cast<std::size_t>(it.row())]; row >= 0)
+        out.insertBack(row, column) = it.value();
   }
   out.finalize();
   return out;
@@ -48,13 +49,16 @@ Eigen::VectorXd times(const SymmetricMatrix& A, const Eigen::VectorXd& x) {
 
 Result<SparseCholesky> factored(const SymmetricMatrix& A, const RunContext& context) {
   if (auto stop = context.stop()) return *stop;
-  SparseCholesky factor({.ordering = CholeskyOptions::Ordering::automatic, .method = CholeskyOptions::Method::automatic});
-  if (!factor.analyze(A)) return Error{ErrorCode::limit, "There is not enough memory for the factor of this system."};
+  SparseCholesky factor(
+      {.ordering = CholeskyOptions::Ordering::automatic, .method = CholeskyOptions::Method::automatic});
+  if (!factor.analyze(A))
+    return Error{ErrorCode::limit, "There is not enough memory for the factor of this system."};
   if (auto e = context.no_room_for(static_cast<std::size_t>(8 * factor.factor_entries()))) return *e;
   if (auto stop = context.stop()) return *stop;
   if (!factor.factor(A))
     return Error{ErrorCode::unsolved,
-                 "The system of equations is not positive definite in double precision: the mesh has tets that are too flat, "
+                 "The system of equations is not positive definite in double precision: the mesh has tets "
+                 "that are too flat, "
                  "or memory ran out. Improve the mesh."};
   if (auto stop = context.stop()) return *stop;
   return factor;

@@ -10,7 +10,8 @@
 
 namespace overtet::solve_detail {
 
-// The component of the tets that each vertex belongs to, counted from 0 in the order of their first tets; -1: no tet.
+// The component of the tets that each vertex belongs to, counted from 0 in the order of their first tets; -1:
+// no tet.
 struct Components {
   std::vector<Index> of_vertex;
   std::vector<Index> first_tet;
@@ -23,7 +24,8 @@ SymmetricMatrix kept_part(const SymmetricMatrix& A, const std::vector<Index>& nu
 // A x, of one column.
 Eigen::VectorXd times(const SymmetricMatrix& A, const Eigen::VectorXd& x);
 
-// Of matrices of volume meshes. Errors: unsolved (not positive definite, or out of memory), interrupted, limit.
+// Of matrices of volume meshes. Errors: unsolved (not positive definite, or out of memory), interrupted,
+// limit.
 Result<SparseCholesky> factored(const SymmetricMatrix& A, const RunContext& context);
 
 }  // namespace overtet::solve_detail

@@ -66,7 +66,8 @@ TEST(Elements, MatricesAreTheSumsOfWhatTetsAdd) {
     Eigen::MatrixXd M = Eigen::MatrixXd::Zero(e.nodes(), e.nodes());
     for (Index t = 0; t < e.tets(); ++t)
       for (int i = 0; i < e.nodes_each(); ++i)
-        for (int j = 0; j < e.nodes_each(); ++j) M(e.node(t, i), e.node(t, j)) += e.shape(t).volume * reference(i, j);
+        for (int j = 0; j < e.nodes_each(); ++j)
+          M(e.node(t, i), e.node(t, j)) += e.shape(t).volume * reference(i, j);
     EXPECT_LT((M - full(e.mass())).cwiseAbs().maxCoeff(), 1e-15);
   }
   const TetElements e(m.V, m.T, 1);

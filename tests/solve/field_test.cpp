@@ -58,7 +58,8 @@ TEST(SolveField, LinearFieldsAreExact) {
         const double flux = (b - a).cross(c - a).normalized().dot(slope);
         const auto label = static_cast<Index>(10 + i);
         sides.attributes.labels.of[static_cast<std::size_t>(i)] = label;
-        own.fluxes.push_back({.label = label, .vertices = {}, .function = [flux](const Point&) { return flux; }});
+        own.fluxes.push_back(
+            {.label = label, .vertices = {}, .function = [flux](const Point&) { return flux; }});
       }
       const Result<Field> g = solve_field(sides, own);
       ASSERT_TRUE(g.ok()) << g.error().message;
@@ -82,7 +83,9 @@ TEST(SolveField, QuadraticFieldsAreExactWithQuadraticElements) {
 
 TEST(SolveField, ConvergesWithTheOrderOfTheElements) {
   const double pi = 3.14159265358979323846;
-  const ScalarFunction u = [=](const Point& p) { return std::sin(pi * p[0]) * std::cos(pi * p[1] / 2) * p[2]; };
+  const ScalarFunction u = [=](const Point& p) {
+    return std::sin(pi * p[0]) * std::cos(pi * p[1] / 2) * p[2];
+  };
   for (const int order : {1, 2}) {
     std::vector<double> error;
     for (const int n : {3, 6, 12}) {
@@ -100,7 +103,8 @@ TEST(SolveField, ConvergesWithTheOrderOfTheElements) {
         sum += std::pow(f.value().values[v] - u(f.value().nodes.row(v).transpose()), 2);
       error.push_back(std::sqrt(sum / static_cast<double>(f.value().nodes.rows())));
     }
-    EXPECT_GT(std::log2(error[1] / error[2]), order + 1 - 0.3) << error[0] << ' ' << error[1] << ' ' << error[2];
+    EXPECT_GT(std::log2(error[1] / error[2]), order + 1 - 0.3)
+        << error[0] << ' ' << error[1] << ' ' << error[2];
   }
 }
 
@@ -142,7 +146,8 @@ TEST(SolveField, WhatIsNotDeterminedIsRefused) {
   EXPECT_EQ(code(o), ErrorCode::usage);  // no such label
   o.values = {{.label = std::nullopt, .vertices = {static_cast<Index>(m.mesh.V.rows())}, .function = one}};
   EXPECT_EQ(code(o), ErrorCode::usage);
-  o.values = {{.label = std::nullopt, .vertices = {0}, .function = [](const Point& p) { return 1 / (p[0] - p[0]); }}};
+  o.values = {
+      {.label = std::nullopt, .vertices = {0}, .function = [](const Point& p) { return 1 / (p[0] - p[0]); }}};
   EXPECT_EQ(code(o), ErrorCode::bad_input);
   o.values = {{.label = std::nullopt, .vertices = {0}, .function = one}};
   EXPECT_EQ(code(o), std::nullopt);
