@@ -67,8 +67,9 @@ class FlowRoute {
   }
 
   // The mesh of an embedding brought home by the patch; an error is noted.
-  Outcome patch(const MeshingJob& job, const VertexMatrix& U, std::optional<TetMesh>& filled) {
-    Result<TetMesh> mesh = fill(job, U);
+  Outcome patch(const MeshingJob& job, const VertexMatrix& U, const TetMeshOptions& options,
+                std::optional<TetMesh>& filled) {
+    Result<TetMesh> mesh = fill(job, U, options);
     if (!mesh) return outcome(mesh.error(), "Tet mesh");
     filled = std::move(mesh).value();
     return outcome(mesh_by_patch(job_, *filled), "Patch");
@@ -88,7 +89,7 @@ class FlowRoute {
       MeshingJob unsaved = job_;
       unsaved.save = nullptr;
       std::optional<TetMesh> filled;
-      if (Outcome end = patch(unsaved, forward.value().V, filled)) return end;
+      if (Outcome end = patch(unsaved, forward.value().V, hasty_tet_mesh(), filled)) return end;
     }
     Result<ReverseFlowResult> returned = flow_back(job_, forward.value(), back);
     if (!returned) return outcome(returned.error(), "Reverse flow");
@@ -98,7 +99,7 @@ class FlowRoute {
     filled_.reset();
     if (Status s = saved("embedded", best_->U0); !s) return Result<Draft>(s.error());
     best_is_pulled_ = false;
-    return by_patch() ? patch(job_, best_->U0, filled_) : std::nullopt;
+    return by_patch() ? patch(job_, best_->U0, {}, filled_) : std::nullopt;
   }
 
   Outcome pull_best() {

@@ -88,22 +88,6 @@ class Cutter {
     return corners;
   }
 
-  // What hangs on nothing but the patch: it has no face of the surface, so it would stay where it is while
-  // all around it moves.
-  void add_enclosed() {
-    const Index n = complex_.tet_capacity();
-    UnionFind parts(static_cast<std::size_t>(n));
-    for (Index t = 0; t < n; ++t)
-      for (int k = 0; k < 4; ++k)
-        if (const Index o = complex_.neighbour(t, k); o > t && !has(t) && !has(o)) parts.join(t, o);
-    std::vector<char> at_surface(static_cast<std::size_t>(n), 0);
-    for (Index t = 0; t < n; ++t)
-      for (int k = 0; k < 4; ++k)
-        if (complex_.neighbour(t, k) < 0) at_surface[static_cast<std::size_t>(parts.root(t))] = 1;
-    for (Index t = 0; t < n; ++t)
-      if (!at_surface[static_cast<std::size_t>(parts.root(t))]) in_[static_cast<std::size_t>(t)] = 1;
-  }
-
   // Of the patch, outward.
   std::vector<Face> faces() const {
     std::vector<Face> out;
@@ -170,7 +154,6 @@ SolidPatch solid_around(const TetMesh& mesh, const VertexMatrix& target, const s
   std::vector<Index> seeds = away;
   for (int ring = 0; ring < rings; ++ring) seeds = cutter.add_stars(seeds);
   for (int mend = 0; mend < kMostRounds; ++mend) {
-    cutter.add_enclosed();
     const std::vector<Face> faces = cutter.faces();
     const std::vector<Index> pinched = pinched_at(faces);
     if (pinched.empty()) {

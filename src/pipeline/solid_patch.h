@@ -18,8 +18,8 @@ struct SolidPatch {
   std::vector<Index> tets;      // of the mesh: the number of each of start's, ascending
 };
 
-// The tets within `rings` (from 1 on) of `away`, what they enclose together with the surface nearby, and more
-// where the patch would be pinched; the whole mesh if need be.
+// The tets within `rings` (from 1 on) of `away`, and more where the patch would be pinched; the whole mesh if
+// need be.
 // pre: mesh is a solid whose first surface_vertices (rows of target) are its boundary's.
 SolidPatch solid_around(const TetMesh& mesh, const VertexMatrix& target, const std::vector<Index>& away,
                         int rings);
