@@ -34,6 +34,7 @@
 #include "overtet/report.h"
 #include "overtet/result.h"
 #include "overtet/run_context.h"
+#include "overtet/solve.h"
 #include "overtet/types.h"
 #include "overtet/verification.h"
 #include "overtet/version.h"

@@ -269,6 +269,7 @@ Status FieldOptions::validate() const {
 namespace solve_detail {
 
 Result<Field> field(const LabelledTetMesh& mesh, const FieldOptions& options, const RunContext& context) {
+  if (Status s = check(mesh.mesh); !s) return s.error();
   return FieldSystem(mesh, options, context).solve();
 }
 
