@@ -6,8 +6,8 @@
 
 #include "kernels/core/assertions.h"
 #include "kernels/core/tet_tables.h"
-#include "kernels/core/tuning.h"
 #include "kernels/parallel/parallel.h"
+#include "kernels/parallel/tuning.h"
 
 namespace overtet {
 
