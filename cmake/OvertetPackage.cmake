@@ -24,8 +24,16 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME overtet)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 # Loaded when it is needed first (kernels/sparse), so that nothing links it.
-file(STRINGS ${OVERTET_CHOLMOD_INCLUDE}/suitesparse/cholmod.h cholmod_version REGEX "define CHOLMOD_MAIN_VERSION")
-string(REGEX REPLACE ".*VERSION +" "" cholmod_version "${cholmod_version}")
+set(cholmod_version "")
+foreach(header cholmod_core.h cholmod.h)  # of SuiteSparse before 6, and since
+  if(cholmod_version STREQUAL "" AND EXISTS ${OVERTET_CHOLMOD_INCLUDE}/suitesparse/${header})
+    file(STRINGS ${OVERTET_CHOLMOD_INCLUDE}/suitesparse/${header} cholmod_version REGEX "define CHOLMOD_MAIN_VERSION +[0-9]")
+    string(REGEX REPLACE ".*VERSION +" "" cholmod_version "${cholmod_version}")
+  endif()
+endforeach()
+if(cholmod_version STREQUAL "")
+  message(WARNING "CHOLMOD's headers do not say its version: packages made here would depend on no package that there is.")
+endif()
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "libcholmod${cholmod_version}")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "overtet-pictures")
 set(CPACK_DEBIAN_PROGRAM_DESCRIPTION
@@ -43,6 +51,7 @@ the surface does. This package has what programs need that call it: the headers,
 a static library, and its descriptions for CMake and pkg-config.")
 
 if(OVERTET_PYTHON)
+  get_property(Python3_VERSION_MINOR GLOBAL PROPERTY OVERTET_PYTHON_MINOR)  # python/ has found it
   math(EXPR next_minor "${Python3_VERSION_MINOR} + 1")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-overtet)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)

@@ -54,6 +54,11 @@ struct PaperRecipe {
   double radius_edge = 2;   // of TetGen's tets
   int remesh_every = 100;   // iterations of lim between TetGen's coarsen-and-refine; 0: never
 };
+// How the flow route brings the mesh of its embedding to the surface.
+enum class FlowMap {
+  patch,  // what has moved is made anew, where it is to be; where that fails, the pull
+  pull    // vertices are pulled to their places, every tet positive on the way
+};
 enum class OnInfeasible {
   reject,
   repair,  // move a few vertices a little
@@ -85,6 +90,7 @@ struct TetSizes {
 struct MeshingOptions {
   Preset preset = Preset::standard;
   PaperRecipe recipe;  // of Preset::paper
+  FlowMap flow_map = FlowMap::patch;
   // What Preset::paper may leave wrong, and is otherwise an error that counts it. With allow_branches
   // interior edges around which the tets make two turns or more; with allow_flips tets that are not positive,
   // too. Both are listed (Meshing::branch_edges, flipped_tets), and a surface that has no mesh without them

@@ -6,6 +6,7 @@
 //   cleanup.h       clean_up()
 //   prepare.h       prepare(): cracks closed, holes filled, ...
 //   meshing.h       tetrahedralize()
+//   embed.h         embed(): the same surface without crossings
 //   diagnosis.h     diagnose()
 //   certificate.h   why there is no mesh
 //   repair.h        repair_surface()
@@ -25,6 +26,7 @@
 #include "overtet/cleanup.h"
 #include "overtet/curves.h"
 #include "overtet/diagnosis.h"
+#include "overtet/embed.h"
 #include "overtet/io.h"
 #include "overtet/meshing.h"
 #include "overtet/prepare.h"

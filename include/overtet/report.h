@@ -23,6 +23,7 @@ enum class RunStatus {
   refined,
   branched,
   flipped,
+  embedded,
   infeasible,
   unsolved,
   bad_input,
@@ -80,6 +81,16 @@ struct MovedAngles {
   double bound_elsewhere = 0;  // between faces without moved vertices, wherever these go
 };
 
+// Of an embedding (embed.h): U0 over the input, of all faces and of all edges.
+struct RatioRange {
+  double least = 1, p01 = 1, p50 = 1, p99 = 1, most = 1;
+};
+struct EmbeddingQuality {
+  RatioRange area, edge;
+  double area_within_20 = 1;  // part of the faces whose ratio is in [0.8, 1.2]
+  bool collapsed = false;     // a hundredth of the faces has less than a tenth of its area
+};
+
 // More than 12 members: a plain record of what the JSON shows.
 struct Report {
   std::vector<Figure> options;  // as the run used them
@@ -98,6 +109,8 @@ struct Report {
   std::optional<MovedAngles> moved_angles;         // of a repaired surface's mesh
   std::vector<StageRecord> stages;
   std::optional<TetQuality> quality;
+  std::optional<EmbeddingQuality> embedding;  // of `embedded`
+  std::int64_t laid_aside = 0;                // and components that were moved as a whole
   double seconds = 0;
   std::size_t peak_rss_bytes = 0;
   std::string result_hash;  // of the vertices and tets, empty without a result

@@ -6,12 +6,12 @@
 #include <string>
 
 #define OVERTET_VERSION_MAJOR 0
-#define OVERTET_VERSION_MINOR 1
+#define OVERTET_VERSION_MINOR 2
 #define OVERTET_VERSION_PATCH 0
 
 namespace overtet {
 
-// Of the library that is linked, for instance "0.1.0".
+// Of the library that is linked, for instance "0.2.0".
 std::string version();
 
 }  // namespace overtet

@@ -155,6 +155,28 @@ py::dict repair(const py::handle& V, const py::handle& F, double max_move, const
                   "mean_relative_move"_a = r.mean_relative_move, "report"_a = message_text(to_json(report)));
 }
 
+py::dict ratios_of(const RatioRange& r) {
+  return py::dict("least"_a = r.least, "p01"_a = r.p01, "p50"_a = r.p50, "p99"_a = r.p99, "most"_a = r.most);
+}
+
+py::dict embed_(const py::handle& V, const py::handle& F, const py::dict& run) {
+  const auto start = RunContext::Clock::now();
+  Surface surface = surface_of(V, F);
+  Report report;
+  Result<Embedding> made =
+      call(run, [&](const RunContext& context) { return embed(surface, {}, context, &report); });
+  report.input.format = "numpy";
+  report.seconds = seconds_since(start);
+  if (!made) raise(made.error(), &report);
+  Embedding e = std::move(made).value();
+  report.message = "No faces intersect, checked exactly.";
+  return py::dict("V"_a = array_of(std::move(e.surface.V)), "F"_a = array_of(std::move(e.surface.F)),
+                  "moved"_a = array_of(std::move(e.moved)),
+                  "laid_aside"_a = array_of(std::move(e.laid_aside)), "area"_a = ratios_of(e.quality.area),
+                  "edge"_a = ratios_of(e.quality.edge), "area_within_20"_a = e.quality.area_within_20,
+                  "collapsed"_a = e.quality.collapsed, "report"_a = message_text(to_json(report)));
+}
+
 // surface, mesh: dicts with what is known besides; where the mesh has boundary triangles they are checked,
 // too.
 py::dict verify_(const py::dict& surface, const py::dict& mesh, const py::dict& options,
@@ -298,6 +320,7 @@ PYBIND11_MODULE(_core, m) {
   m.def("tetrahedralize", &tetrahedralize_);
   m.def("inspect", &inspect);
   m.def("repair", &repair);
+  m.def("embed", &embed_);
   m.def("verify", &verify_);
   m.def("clean_up", &clean_up_);
   m.def("prepare", &prepare_);

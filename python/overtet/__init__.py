@@ -10,15 +10,15 @@
 Arrays are numpy's; anything that numpy makes an array of is taken. Functions may be called from several threads at
 once, and print nothing. docs/python.md says more.
 """
-from ._api import clean_up, inspect, prepare, read, read_mesh, repair, tetrahedralize, verify, version, write
+from ._api import clean_up, embed, inspect, prepare, read, read_mesh, repair, tetrahedralize, verify, version, write
 from ._errors import (BadInput, Error, FileError, Infeasible, InternalError, Limit, MemoryLimit, Unsolved,
                       UsageError)
-from ._types import CleanUp, Diagnosis, Mesh, Prepared, Quality, Repair, Surface, Verification
+from ._types import CleanUp, Diagnosis, Embedding, Mesh, Prepared, Quality, Repair, Surface, Verification
 
 __version__ = version()
 
-__all__ = ["tetrahedralize", "inspect", "verify", "repair", "clean_up", "prepare", "read", "read_mesh", "write",
-           "version", "Surface", "Mesh", "Quality", "Diagnosis", "Verification", "Repair", "CleanUp", "Prepared",
+__all__ = ["tetrahedralize", "inspect", "verify", "repair", "embed", "clean_up", "prepare", "read", "read_mesh", "write",
+           "version", "Surface", "Mesh", "Quality", "Diagnosis", "Verification", "Repair", "Embedding", "CleanUp", "Prepared",
            "Error", "UsageError", "BadInput", "Unsolved", "Infeasible", "Limit", "MemoryLimit", "FileError",
            "InternalError"]
 

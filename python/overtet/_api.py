@@ -9,7 +9,7 @@ import numpy as np
 
 from . import _arrays, _core
 from ._errors import UsageError
-from ._types import (CleanUp, Diagnosis, Mesh, Prepared, Repair, Surface, Verification, clean_up_of, mesh_dict,
+from ._types import (CleanUp, Diagnosis, Embedding, Mesh, Prepared, Repair, Surface, Verification, clean_up_of, mesh_dict,
                      quality_of, surface_dict)
 
 Path = Union[str, bytes, "os.PathLike[Any]"]
@@ -189,6 +189,20 @@ def repair(V: Any, F: Any = None, max_move: float = .06, *, threads: int = 0, ti
     return Repair(**made)
 
 
+def embed(V: Any, F: Any = None, *, threads: int = 0, time_limit: Optional[float] = None,
+          memory_limit: Optional[float] = None, progress: Progress = None, log: Log = None) -> Embedding:
+    """The surface (V: #V x 3, F: #F x 3, or a Surface) without crossings: the same triangles with nearly the same lengths
+    and areas, intersecting nowhere, which is checked exactly. Works for any genus, and where there is no tet mesh.
+    Components that cross each other are laid side by side first.
+
+    Raises BadInput, Unsolved, Limit, UsageError, KeyboardInterrupt.
+    """
+    surface = surface_dict(_surface(V, F))
+    made = _core.embed(surface["V"], surface["F"], _run(threads, time_limit, memory_limit, progress, log))
+    made["report"] = json.loads(made["report"])
+    return Embedding(**made)
+
+
 def clean_up(V: Any, F: Any = None, *, strict: bool = False, allow_open: bool = False, places: int = 10,
              threads: int = 0, time_limit: Optional[float] = None,
              memory_limit: Optional[float] = None) -> CleanUp:
@@ -280,7 +294,7 @@ def write(path: Path, what: Union[Surface, CleanUp, Repair, Mesh], format: str =
 
 
 def version() -> str:
-    """Of the library, for instance "0.1.0"."""
+    """Of the library, for instance "0.2.0"."""
     return _core.version()
 
 

@@ -237,6 +237,29 @@ class Repair:
 
 
 @dataclass(eq=False)
+class Embedding:
+    """The same triangles with nearly the same lengths and areas, intersecting nowhere: V (#V x 3), F (the same faces).
+
+    area, edge: what faces and edges have of their areas and lengths: "least", "p01", "p50", "p99" (1, 50 and 99 %),
+    "most".
+    """
+
+    V: np.ndarray
+    F: np.ndarray
+    moved: np.ndarray  #: vertices, sorted; all others are where they were, to the bit
+    laid_aside: np.ndarray  #: components that cross others and were moved as a whole, numbered by their first faces
+    area: dict
+    edge: dict
+    area_within_20: float  #: share of the faces whose area is from .8 to 1.2 times the input's
+    collapsed: bool  #: a hundredth of the faces has less than a tenth of its area
+    report: dict
+
+    def __repr__(self) -> str:
+        return (f"Embedding({len(self.moved)} of {len(self.V)} vertices moved, areas {self.area['p01']:.3f} to "
+                f"{self.area['p99']:.3f} times)")
+
+
+@dataclass(eq=False)
 class CleanUp:
     """A cleaned surface, and what was done. No coordinate is computed.
 

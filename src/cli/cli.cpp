@@ -84,10 +84,12 @@ void add_recipe(CLI::App* command, MeshCommand& mesh) {
                    "Of --preset paper: what keeps faces apart on the way back, pins or a barrier")
       ->check(CLI::IsMember({"pins", "barrier"}));
   command
-      ->add_option("--map", mesh.map,
-                   "Of --preset paper: lim (locally injective mappings), arap (volumetric; may flip tets) or "
-                   "pull (that of --preset flow)")
-      ->check(CLI::IsMember({"lim", "arap", "pull"}));
+      ->add_option(
+          "--map", mesh.map,
+          "How the mesh of the embedding comes to the surface. Of --preset flow: patch (what has moved "
+          "is made anew; the default) or pull (every tet positive on the way). Of --preset paper: lim "
+          "(locally injective mappings; the default), arap (volumetric; may flip tets) or pull")
+      ->check(CLI::IsMember({"patch", "pull", "lim", "arap"}));
   command->add_flag("--allow-branches", mesh.allow_branches,
                     "Of --preset paper: write a mesh with two turns around some edges inside, too");
   command->add_flag(
@@ -210,6 +212,24 @@ CLI::App* add_repair(CLI::App& app, RepairCommand& repair) {
                    "Largest move of a vertex, in percent of the diagonal of the bounding box")
       ->check(between(1e-6, 100))
       ->capture_default_str();
+  return command;
+}
+
+CLI::App* add_embed(CLI::App& app, EmbedCommand& embed) {
+  CLI::App* command = app.add_subcommand(
+      "embed",
+      "Make the same surface without crossings: nearly the same lengths and areas, no faces intersect");
+  command->add_option("INPUT", embed.input, surface_help())->required();
+  command
+      ->add_option("--output,-o", embed.output,
+                   "The embedding: .off, .obj, .ply or .vtp; with .gz: compressed. Its faces are the input's")
+      ->required();
+  command->add_option("--report", embed.report,
+                      "Write a JSON report to this file, even if there is no embedding");
+  command->add_flag("--json", embed.json, "Print the report");
+  command->footer(
+      "Components that cross each other are laid side by side first. Lengths and areas are measured: see "
+      "\"embedding\" in the report.");
   return command;
 }
 
@@ -449,6 +469,7 @@ struct CommandLine {
   MeshCommand mesh;
   InspectCommand inspect;
   RepairCommand repair;
+  EmbedCommand embed;
   PrepareCommand prepare;
   PrepareWords prepare_words;
   VerifyCommand verify;
@@ -486,6 +507,7 @@ void add_commands(CLI::App& app, CommandLine& line) {
   add_cleaning(*runs(add_mesh(app, line.mesh), line.mesh), line.mesh.clean);
   add_cleaning(*runs(add_inspect(app, line.inspect), line.inspect), line.inspect.clean);
   add_cleaning(*runs(add_repair(app, line.repair), line.repair), line.repair.clean);
+  add_cleaning(*runs(add_embed(app, line.embed), line.embed), line.embed.clean);
   CLI::App* prepare = add_prepare(app, line.prepare, line.prepare_words);
   add_common(*prepare, line.common);
   does(prepare, [&line](Terminal& t) { return run_prepare(line, t); });

@@ -154,7 +154,7 @@ MeshingOptions meshing_options(const MeshCommand& c) {
   if (c.forward == "regional") o.recipe.forward = PaperRecipe::Forward::regional;
   if (c.reverse == "barrier") o.recipe.reverse = PaperRecipe::Reverse::barrier;
   if (c.map == "arap") o.recipe.map = PaperRecipe::Map::arap;
-  if (c.map == "pull") o.recipe.map = PaperRecipe::Map::pull;
+  if (c.map == "pull") o.recipe.map = PaperRecipe::Map::pull, o.flow_map = FlowMap::pull;
   o.allow_branches = c.allow_branches;
   o.allow_flips = c.allow_flips;
   o.on_infeasible = c.on_infeasible == "repair"   ? OnInfeasible::repair
@@ -293,14 +293,26 @@ Status check_names(const MeshCommand& command, const std::vector<std::string>& o
   return success();
 }
 
+// Pieces of a preset go with that one only.
+Status check_pieces(const MeshCommand& c) {
+  if (c.preset == "flow" && c.forward.empty() && c.reverse.empty() &&
+      (c.map.empty() || c.map == "patch" || c.map == "pull"))
+    return success();
+  if (c.preset == "paper")
+    return c.map != "patch" ? success()
+                            : Error{ErrorCode::usage,
+                                    "--map patch is a piece of --preset flow; of --preset paper it may be "
+                                    "lim, arap or pull."};
+  if (c.forward.empty() && c.reverse.empty() && c.map.empty()) return success();
+  return Error{ErrorCode::usage,
+               "--forward, --reverse and --map choose pieces of --preset paper, and --map patch or "
+               "pull of --preset flow; give that preset, too."};
+}
+
 }  // namespace
 
 int run(const MeshCommand& command, const CommonOptions& common, Terminal& terminal) {
-  const bool pieces = !command.forward.empty() || !command.reverse.empty() || !command.map.empty();
-  if (pieces && command.preset != "paper")
-    return fail(terminal,
-                {ErrorCode::usage,
-                 "--forward, --reverse and --map choose pieces of --preset paper; give that, too."});
+  if (Status s = check_pieces(command); !s) return fail(terminal, s.error());
   if ((command.allow_branches || command.allow_flips) && command.preset != "paper")
     return fail(terminal,
                 {ErrorCode::usage,

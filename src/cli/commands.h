@@ -61,6 +61,12 @@ struct RepairCommand {
   InputOptions clean;
 };
 
+struct EmbedCommand {
+  std::string input, output, report;
+  bool json = false;
+  InputOptions clean;
+};
+
 struct PrepareCommand {
   std::string input, output, report, save_map;
   PrepareOptions options;
@@ -102,6 +108,7 @@ struct ViewCommand {
 int run(const MeshCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const InspectCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const RepairCommand& command, const CommonOptions& common, Terminal& terminal);
+int run(const EmbedCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const PrepareCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const VerifyCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const ConvertCommand& command, const CommonOptions& common, Terminal& terminal);

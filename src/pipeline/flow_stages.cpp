@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "kernels/bvh/self_intersections.h"
+#include "kernels/core/tuning.h"
 #include "overtet/verification.h"
-#include "src/pipeline/locked_patch.h"
+#include "src/pipeline/solid_patch.h"
 #include "src/pipeline/stage_clock.h"
 #include "src/pipeline/tuning.h"
 
@@ -129,7 +130,7 @@ Result<TetMesh> map(const MeshingJob& r, const TetMesh& mesh, MapCare care) {
         }
         if (r.save)
           options.on_locked = [&](const TetMesh& state, const std::vector<Index>& away) {
-            const LockedSolid patch = solid_around(state, r.surface.V, away);
+            const SolidPatch patch = solid_around(state, r.surface.V, away, kRings);
             kept = r.save->save_problem("locked", patch.target, patch.start);
           };
         options.seconds = std::min(options.seconds, kMapTime * r.context.seconds_left());

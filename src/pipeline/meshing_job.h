@@ -28,6 +28,7 @@ struct MeshingJob {
   FlowSeries* film = nullptr;                   // where to keep every state of the flows
   std::optional<Error> part_without_mesh = {};  // of a part that has none by itself: why
   PaperRecipe recipe = {};                      // of Preset::paper
+  FlowMap flow_map = FlowMap::patch;            // of Preset::flow, and where the flow route comes last
   struct Allowed {
     bool branches = false, flips = false;  // MeshingOptions
   } allowed = {};

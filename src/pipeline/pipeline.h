@@ -2,7 +2,8 @@
 //
 //   diagnose -> (clean)     tet_mesh ------------------------------------------------> improve -> verify
 //            -> (immersion) immersion (arrangement, tet mesh, sheets) ---------------> improve -> verify
-//            -> (flow)      forward_flow -> reverse_flow -> tet_mesh -> volume_map --> improve -> verify
+//            -> (flow)      forward_flow -> tet_mesh -> patch -----------------------> improve -> verify
+//                           or, where that fails, -> reverse_flow -> tet_mesh -> patch | volume_map ->
 //            -> (paper)     forward_flow -> reverse_flow -> tet_mesh -> lim | volume_arap | volume_map ->
 //            verify
 //

@@ -104,9 +104,9 @@ Result<Draft> mesh_clean(const MeshingJob& job) {
 Result<Draft> mesh_near(const MeshingJob& job) { return without_placed(mesh_by_nearby_surface(job)); }
 
 Result<Draft> mesh_flowed(const MeshingJob& job) {
-  Result<TetMesh> mesh = mesh_by_flow(job);
-  if (!mesh) return in_input_space(job, mesh.error());
-  return without_placed(std::move(mesh));
+  Result<Draft> draft = mesh_by_flow(job);
+  if (!draft) return in_input_space(job, draft.error());
+  return draft;
 }
 
 Result<Draft> mesh_by_recipe(const MeshingJob& job) {

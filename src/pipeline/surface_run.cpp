@@ -121,6 +121,7 @@ Result<TetMesh> SurfaceRun::try_strategies() {
                  film_ ? &*film_ : nullptr,
                  std::nullopt,
                  options_.recipe,
+                 options_.flow_map,
                  {options_.allow_branches, options_.allow_flips}};
   const bool first_only =
       setup_.origin != SurfaceRunSetup::Origin::read && options_.preset == Preset::standard;

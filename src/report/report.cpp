@@ -30,6 +30,10 @@ Json to_json(const CleanupRecord& r) {
   return j;
 }
 
+Json to_json(const RatioRange& r) {
+  return {{"least", r.least}, {"p01", r.p01}, {"p50", r.p50}, {"p99", r.p99}, {"most", r.most}};
+}
+
 }  // namespace
 
 const char* name_of(RunStatus status) {
@@ -44,6 +48,8 @@ const char* name_of(RunStatus status) {
       return "branched";
     case RunStatus::flipped:
       return "flipped";
+    case RunStatus::embedded:
+      return "embedded";
     case RunStatus::infeasible:
       return "infeasible";
     case RunStatus::unsolved:
@@ -126,6 +132,12 @@ std::string to_json(const Report& r) {
                     {"volume", r.quality->volume},
                     {"coincident_vertices", r.quality->coincident_vertices},
                     {"closest_pair", r.quality->closest_pair}};
+  if (const auto& e = r.embedding)
+    j["embedding"] = {{"area", to_json(e->area)},
+                      {"edge", to_json(e->edge)},
+                      {"area_within_20", e->area_within_20},
+                      {"collapsed", e->collapsed},
+                      {"laid_aside", r.laid_aside}};
   j["seconds"] = r.seconds;
   j["peak_rss_bytes"] = r.peak_rss_bytes;
   j["result_hash"] = r.result_hash.empty() ? Json() : Json(r.result_hash);

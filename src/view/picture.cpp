@@ -170,12 +170,14 @@ Result<std::string> picture_helper(const PictureOptions& options) {
     return cannot_draw("the program overtet-picture does not run as " + options.helper);
   }
   if (const std::optional<std::string> path = helper_program("overtet-picture")) return *path;
-  return Error{ErrorCode::io,
-               "This build has no pictures: the program overtet-picture, which draws them with VTK, is missing; "
-               "install the package overtet-pictures, or libvtk9-dev and libegl-dev and build Overtet again."};
+  return Error{
+      ErrorCode::io,
+      "This build has no pictures: the program overtet-picture, which draws them with VTK, is missing; "
+      "install the package overtet-pictures, or libvtk9-dev and libegl-dev and build Overtet again."};
 }
 
-Result<std::vector<std::uint8_t>> drawn(const Scene& scene, const std::string& program, const RunContext& context) {
+Result<std::vector<std::uint8_t>> drawn(const Scene& scene, const std::string& program,
+                                        const RunContext& context) {
   context.report("draw", 0);
   Descriptor in(memfd_create("scene", MFD_CLOEXEC)), out(memfd_create("picture", MFD_CLOEXEC));
   int ends[2] = {-1, -1};
@@ -261,7 +263,8 @@ Status write_picture(const std::string& path, const Surface& surface, const Surf
   if (Status s = options.validate(); !s) return s;
   if (Status s = view::check(surface, attributes); !s) return s;
   if (Status s = has_what_is_asked_for(attributes, options.colouring); !s) return s;
-  return write_scene_as_png(path, options, context, [&] { return view::scene_of(surface, attributes, options); });
+  return write_scene_as_png(path, options, context,
+                            [&] { return view::scene_of(surface, attributes, options); });
 }
 
 }  // namespace overtet

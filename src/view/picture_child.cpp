@@ -1,5 +1,5 @@
-// overtet-picture: draws one scene with VTK, in a process of its own, so that nobody else links VTK or waits for
-// it to load, and so that what it does wrong stays here. Not a command for people: see picture_wire.h.
+// overtet-picture: draws one scene with VTK, in a process of its own, so that nobody else links VTK or waits
+// for it to load, and so that what it does wrong stays here. Not a command for people: see picture_wire.h.
 //
 //   overtet-picture PARENT_PID
 //
@@ -36,8 +36,8 @@
 
 #include "src/view/picture_wire.h"
 
-// GLEW finds the functions of OpenGL for VTK, and then misses a display of X (its error 4), which VTK takes for a
-// failure. VTK calls this instead, as the program's own functions come first.
+// GLEW finds the functions of OpenGL for VTK, and then misses a display of X (its error 4), which VTK takes
+// for a failure. VTK calls this instead, as the program's own functions come first.
 extern "C" __attribute__((visibility("default"))) unsigned glewInit() {
   const auto original = reinterpret_cast<unsigned (*)()>(dlsym(RTLD_NEXT, "glewInit"));
   const unsigned error = original ? original() : 1;
@@ -81,21 +81,25 @@ std::vector<T> numbers(std::int64_t count) {
   return all;
 }
 
-// Mesa's software renderer, whatever card there is, and as it is on the smallest processor: 128 bits at a time.
+// Mesa's software renderer, whatever card there is, and as it is on the smallest processor: 128 bits at a
+// time.
 void make_context() {
   setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1);
   setenv("GALLIUM_DRIVER", "llvmpipe", 1);
   setenv("LP_NATIVE_VECTOR_WIDTH", "128", 1);
   setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);
-  const EGLDisplay display =
-      eglGetPlatformDisplay(EGL_PLATFORM_SURFACELESS_MESA, reinterpret_cast<void*>(EGL_DEFAULT_DISPLAY), nullptr);
+  const EGLDisplay display = eglGetPlatformDisplay(EGL_PLATFORM_SURFACELESS_MESA,
+                                                   reinterpret_cast<void*>(EGL_DEFAULT_DISPLAY), nullptr);
   EGLint major = 0, minor = 0, found = 0;
   if (display == EGL_NO_DISPLAY || !eglInitialize(display, &major, &minor))
     give_up("EGL has no display without a window; install libegl1 and libgl1-mesa-dri");
   const EGLint wanted[] = {EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
-  const EGLint version[] = {EGL_CONTEXT_MAJOR_VERSION,       3,
-                            EGL_CONTEXT_MINOR_VERSION,       2,
-                            EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+  const EGLint version[] = {EGL_CONTEXT_MAJOR_VERSION,
+                            3,
+                            EGL_CONTEXT_MINOR_VERSION,
+                            2,
+                            EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                            EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
                             EGL_NONE};
   EGLConfig config = nullptr;
   if (!eglBindAPI(EGL_OPENGL_API) || !eglChooseConfig(display, wanted, &config, 1, &found) || found == 0)
@@ -151,7 +155,8 @@ void show(vtkRenderer* renderer, vtkPolyData* data, const Look& look, double sam
 // Each pixel: the mean of a square of samples.
 std::vector<unsigned char> picture_of(const unsigned char* drawn, const Request& r) {
   const std::int64_t n = r.samples, wide = r.width * n;
-  std::vector<unsigned char> pixels(3 * static_cast<std::size_t>(r.width) * static_cast<std::size_t>(r.height));
+  std::vector<unsigned char> pixels(3 * static_cast<std::size_t>(r.width) *
+                                    static_cast<std::size_t>(r.height));
   std::size_t to = 0;
   for (std::int64_t y = r.height - 1; y >= 0; --y)  // OpenGL counts from below
     for (std::int64_t x = 0; x < r.width; ++x)
@@ -198,13 +203,16 @@ void draw(const Request& r) {
   scalars->SetNumberOfComponents(3);
   scalars->SetNumberOfTuples(3 * r.triangles);
   for (std::int64_t i = 0; i < 3 * r.triangles; ++i)
-    for (int k = 0; k < 3; ++k) scalars->SetTypedComponent(i, k, colours[static_cast<std::size_t>(3 * (i / 3) + k)]);
+    for (int k = 0; k < 3; ++k)
+      scalars->SetTypedComponent(i, k, colours[static_cast<std::size_t>(3 * (i / 3) + k)]);
   faces->GetPointData()->SetScalars(scalars);
   if (r.triangles > 0) show(solid, faces, {}, r.samples);
   if (r.wires > 0) show(solid, cells_of(wires, 2), {.25, .25, .25, .6}, r.samples);
   const auto* m = r.mark_colour;
   for (const auto& [renderer, opacity] : {std::pair(solid.Get(), 1.), std::pair(shining.Get(), .35)}) {
-    const auto look = [&](double width) { return Look{m[0] / 255., m[1] / 255., m[2] / 255., width, opacity}; };
+    const auto look = [&](double width) {
+      return Look{m[0] / 255., m[1] / 255., m[2] / 255., width, opacity};
+    };
     if (r.lines > 0) show(renderer, cells_of(lines, 2), look(2), r.samples);
     if (r.marks > 0) show(renderer, cells_of(marks, 1), look(7), r.samples);
   }

@@ -1,9 +1,9 @@
-// What goes to overtet-picture, which draws, and what comes back. Both are memory that the two processes share,
-// on the same machine: plain structs, no conversion.
+// What goes to overtet-picture, which draws, and what comes back. Both are memory that the two processes
+// share, on the same machine: plain structs, no conversion.
 //
-// Standard input: a Request, then the scene's arrays, one after the other: corners (float, 9 a triangle), colours
-// (3 bytes a triangle), wires, lines (float, 6 a segment), marks (float, 3 a place). Standard output: the
-// pixels, 3 bytes each, row by row from the top. Standard error, if the exit code is not 0: why.
+// Standard input: a Request, then the scene's arrays, one after the other: corners (float, 9 a triangle),
+// colours (3 bytes a triangle), wires, lines (float, 6 a segment), marks (float, 3 a place). Standard output:
+// the pixels, 3 bytes each, row by row from the top. Standard error, if the exit code is not 0: why.
 #pragma once
 
 #include <cstdint>

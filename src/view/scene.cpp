@@ -35,8 +35,7 @@ struct Places {
       middle = low / 2 + high / 2;
       // Two steps: squares of very large and very small numbers are not numbers.
       const double half = (high / 2 - low / 2).maxCoeff();
-      if (half > 0)
-        radius = half * ((V.rowwise() - middle) / half).rowwise().norm().maxCoeff();
+      if (half > 0) radius = half * ((V.rowwise() - middle) / half).rowwise().norm().maxCoeff();
     }
     rest = (V.rowwise() - middle) / radius;
     drawn = rest;
@@ -91,20 +90,23 @@ Camera camera_for(const VertexMatrix& points, const Point& towards, int width, i
   const Point side = std::abs(towards.y()) > .999 ? Point(0, 0, -towards.y()) : Point(0, 1, 0);
   const Point right = side.cross(towards).normalized();
   camera.up = towards.cross(right);
-  const double aspect = static_cast<double>(width) / height, free = .94;  // of the picture; the rest is margin
+  const double aspect = static_cast<double>(width) / height,
+               free = .94;  // of the picture; the rest is margin
   const double ty = free * std::tan(camera.height_degrees / 360 * std::numbers::pi), tx = ty * aspect;
   // A point at (x, y, z) along right, up and towards is seen if |x - cx| <= (distance - z) tx, and so on.
   const double none = -std::numeric_limits<double>::infinity();
   double right_of = none, left_of = none, above = none, below = none, nearest = none, farthest = -none;
   for (Eigen::Index v = 0; v < points.rows(); ++v) {
-    const double x = points.row(v).dot(right), y = points.row(v).dot(camera.up), z = points.row(v).dot(towards);
+    const double x = points.row(v).dot(right), y = points.row(v).dot(camera.up),
+                 z = points.row(v).dot(towards);
     right_of = std::max(right_of, x + z * tx), left_of = std::max(left_of, -x + z * tx);
     above = std::max(above, y + z * ty), below = std::max(below, -y + z * ty);
     nearest = std::max(nearest, z), farthest = std::min(farthest, z);
   }
   if (points.rows() == 0) right_of = left_of = tx, above = below = ty, nearest = farthest = 0;
   // Not so near that the front is seen alone where the mesh is deep.
-  const double distance = std::max({(right_of + left_of) / (2 * tx), (above + below) / (2 * ty), nearest + .5});
+  const double distance =
+      std::max({(right_of + left_of) / (2 * tx), (above + below) / (2 * ty), nearest + .5});
   const Point centre = (right_of - left_of) / 2 * right + (above - below) / 2 * camera.up;
   camera.eye = centre + distance * towards;
   camera.target = centre;
@@ -144,17 +146,22 @@ class Drawing {
     std::array<int, 4> order;  // corners that are kept first
     int kept = 0, left_out = 0;
     for (int k = 0; k < 4; ++k)
-      if (plane_.keeps(places_, tet[k])) order[static_cast<std::size_t>(kept++)] = k;
-      else order[static_cast<std::size_t>(3 - left_out++)] = k;
+      if (plane_.keeps(places_, tet[k]))
+        order[static_cast<std::size_t>(kept++)] = k;
+      else
+        order[static_cast<std::size_t>(3 - left_out++)] = k;
     if (kept == 0 || kept == 4) return;
     const auto at = [&](std::size_t i, std::size_t j) {
       return plane_.meets(places_, tet[order[i]], tet[order[j]]);
     };
     const std::size_t corners = kept == 2 ? 4 : 3;
     std::array<Point, 4> p;
-    if (kept == 1) p = {at(0, 1), at(0, 2), at(0, 3), at(0, 3)};
-    else if (kept == 2) p = {at(0, 2), at(0, 3), at(1, 3), at(1, 2)};
-    else p = {at(0, 3), at(1, 3), at(2, 3), at(2, 3)};
+    if (kept == 1)
+      p = {at(0, 1), at(0, 2), at(0, 3), at(0, 3)};
+    else if (kept == 2)
+      p = {at(0, 2), at(0, 3), at(1, 3), at(1, 2)};
+    else
+      p = {at(0, 3), at(1, 3), at(2, 3), at(2, 3)};
     // Counter-clockwise seen from what is left out, where there is a corner that is not on the plane.
     if ((p[1] - p[0]).cross(p[2] - p[0]).dot(Point(places_.drawn.row(tet[order[3]])) - p[0]) < 0)
       std::reverse(p.begin(), p.begin() + static_cast<std::ptrdiff_t>(corners));
@@ -173,7 +180,8 @@ class Drawing {
     if (options.curves)
       for (const Curve& c : options.curves->curves)
         for (std::size_t i = 0; i < c.segments.size(); ++i) {
-          const Point a = places_.of(c.nodes[i].position), b = places_.of(c.nodes[(i + 1) % c.nodes.size()].position);
+          const Point a = places_.of(c.nodes[i].position),
+                      b = places_.of(c.nodes[(i + 1) % c.nodes.size()].position);
           if (kept(a) && kept(b)) add(a, scene_.lines), add(b, scene_.lines);
         }
     for (const auto& m : options.marks)
@@ -267,12 +275,16 @@ double least_angle(const TetMesh& mesh, Index t) {
 Colour colour_of(const LabelledTetMesh& m, Colouring by, Index tet, Index triangle, bool boundary) {
   const MeshAttributes& a = m.attributes;
   switch (by) {
-    case Colouring::layers: return layer_colour(a.layers[static_cast<std::size_t>(tet)]);
-    case Colouring::region: return group_colour(a.regions.of[static_cast<std::size_t>(tet)]);
-    case Colouring::angle: return angle_colour(least_angle(m.mesh, tet));
+    case Colouring::layers:
+      return layer_colour(a.layers[static_cast<std::size_t>(tet)]);
+    case Colouring::region:
+      return group_colour(a.regions.of[static_cast<std::size_t>(tet)]);
+    case Colouring::angle:
+      return angle_colour(least_angle(m.mesh, tet));
     case Colouring::label:
       return triangle >= 0 ? group_colour(a.labels.of[static_cast<std::size_t>(triangle)]) : inside_colour();
-    default: return boundary ? plain_colour() : inside_colour();
+    default:
+      return boundary ? plain_colour() : inside_colour();
   }
 }
 
@@ -297,8 +309,8 @@ Colour mark_colour() { return {0xd0, 0x10, 0x40}; }
 
 Colour group_colour(Index n) {
   // Well apart also for eyes that see red and green alike (Okabe and Ito 2008).
-  static const std::array<Colour, 8> groups{colour(.34, .71, .91), colour(.9, .62, 0),  colour(0, .62, .45),
-                                            colour(.94, .89, .26), colour(0, .45, .7),  colour(.84, .37, 0),
+  static const std::array<Colour, 8> groups{colour(.34, .71, .91), colour(.9, .62, 0), colour(0, .62, .45),
+                                            colour(.94, .89, .26), colour(0, .45, .7), colour(.84, .37, 0),
                                             colour(.8, .47, .65),  colour(.6, .6, .6)};
   return groups[static_cast<std::size_t>((n % 8 + 8) % 8)];
 }
@@ -350,7 +362,8 @@ std::vector<double> along_of(const VertexMatrix& V, const std::vector<Index>& el
   const auto spread = [&](std::size_t start) {
     for (const std::size_t v : reached) distance[v] = -1;
     reached.clear();
-    std::priority_queue<std::pair<double, std::size_t>, std::vector<std::pair<double, std::size_t>>, std::greater<>>
+    std::priority_queue<std::pair<double, std::size_t>, std::vector<std::pair<double, std::size_t>>,
+                        std::greater<>>
         waiting;
     waiting.emplace(0, start);
     while (!waiting.empty()) {
@@ -362,7 +375,8 @@ std::vector<double> along_of(const VertexMatrix& V, const std::vector<Index>& el
       for (std::int64_t i = first[v]; i < first[v + 1]; ++i) {
         const std::size_t w = to[static_cast<std::size_t>(i)];
         if (distance[w] < 0)
-          waiting.emplace(d + (V.row(static_cast<Eigen::Index>(v)) - V.row(static_cast<Eigen::Index>(w))).norm(), w);
+          waiting.emplace(
+              d + (V.row(static_cast<Eigen::Index>(v)) - V.row(static_cast<Eigen::Index>(w))).norm(), w);
       }
     }
   };

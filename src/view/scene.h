@@ -1,4 +1,5 @@
-// What a picture shows, as triangles, lines and points with their colours: computed here, drawn by whoever can.
+// What a picture shows, as triangles, lines and points with their colours: computed here, drawn by whoever
+// can.
 //
 // The unit of length is the radius of the mesh about the middle of its bounding box, which is the origin, so
 // that single precision is enough for a mesh of any size anywhere. Shading is part of the colours: a light at
@@ -36,9 +37,9 @@ struct Camera {
 
 struct SceneTriangles {
   enum class From : std::uint8_t { boundary, cut };
-  std::vector<float> corners;    // 9 a triangle; counter-clockwise seen from outside, or from beyond the cut
-  std::vector<Colour> colours;   // shaded
-  std::vector<Index> element;    // the tet, or the face of the surface
+  std::vector<float> corners;   // 9 a triangle; counter-clockwise seen from outside, or from beyond the cut
+  std::vector<Colour> colours;  // shaded
+  std::vector<Index> element;   // the tet, or the face of the surface
   std::vector<From> from;
 };
 
@@ -51,7 +52,8 @@ struct Scene {
   std::vector<float> marks;  // 3 a place, likewise
 };
 
-// pre: indices in range, finite coordinates, arrays of the right sizes; options that hold (check in view.cpp).
+// pre: indices in range, finite coordinates, arrays of the right sizes; options that hold (check in
+// view.cpp).
 Scene scene_of(const LabelledTetMesh& mesh, const PictureOptions& options);
 Scene scene_of(const Surface& surface, const SurfaceAttributes& attributes, const PictureOptions& options);
 

@@ -36,6 +36,19 @@ TEST(Api, MeshesASurfaceThatPassesThroughItself) {
   EXPECT_NE(to_json(report).find(m.hash), std::string::npos);
 }
 
+TEST(Api, EmbedsASurfaceThatPassesThroughItself) {
+  const Surface s = test::curled_worm();
+  Report report;
+  const Result<Embedding> r = embed(s, {}, {}, &report);
+  ASSERT_TRUE(r.ok()) << r.error().message;
+  const Embedding& e = r.value();
+  EXPECT_EQ(e.surface.F, s.F);
+  EXPECT_EQ(vertices_that_differ(e.surface.V, s.V), e.moved);
+  EXPECT_EQ(diagnose(e.surface).value().verdict, Verdict::embedded);
+  EXPECT_GT(e.quality.area.p01, 0.5);
+  EXPECT_NE(to_json(report).find("\"embedded\""), std::string::npos);
+}
+
 TEST(Api, VerticesOfDifferentLayersAreNotInOnePlace) {
   const Surface s = test::curled_worm();
   for (const double degrees : {17.0, 0.0}) {

@@ -287,6 +287,34 @@ TEST_F(Cli, RepairsOfSurfacesHaveReports) {
   EXPECT_EQ("overtet: " + j["message"].get<std::string>() + "\n", r.err);
 }
 
+TEST_F(Cli, EmbedWritesTheSurfaceWithoutCrossings) {
+  const Surface s = test::elbow(150, 16);
+  const std::string in = save("elbow.off", s), out = folder_.file("u.off"),
+                    report_to = " --report " + folder_.file("r.json");
+  ShellResult r = run("embed " + in + " -o " + out + report_to);
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_NE(r.err.find("no faces intersect"), std::string::npos) << r.err;
+  json j = report("r.json");
+  EXPECT_EQ(j["status"], "embedded");
+  EXPECT_GT(j["embedding"]["area"]["p01"], 0.3);
+  EXPECT_GT(j["moved"]["vertices"], 0);
+  // Of the very numbers that were written.
+  const Result<Surface> written = read_surface(out);
+  ASSERT_TRUE(written.ok());
+  EXPECT_EQ(written.value().F, s.F);
+  EXPECT_EQ(json::parse(run("inspect --json " + out).out)["verdict"], "embedded");
+
+  r = run("embed " + in + " -o " + out + " --json");
+  EXPECT_EQ(json::parse(r.out)["embedding"], j["embedding"]);
+  EXPECT_EQ(run("embed " + in + " -o " + in).exit_code, 2);
+  EXPECT_EQ(run("embed " + in + " -o " + folder_.file("u.mesh")).exit_code, 2);
+  Surface open = s;
+  open.F.conservativeResize(s.F.rows() - 1, 3);
+  EXPECT_EQ(run("embed " + save("open.off", open) + " -o " + folder_.file("v.off") + report_to).exit_code, 3);
+  EXPECT_FALSE(std::filesystem::exists(folder_.file("v.off")));
+  EXPECT_EQ(report("r.json")["status"], "bad-input");
+}
+
 TEST_F(Cli, AMissingHelperIsExplained) {
   const std::string program = folder_.file("overtet");
   std::filesystem::copy_file(OVERTET_PROGRAM, program);
@@ -589,7 +617,8 @@ TEST_F(Cli, ThePapersRecipeSaysWhatIsNotExact) {
   EXPECT_EQ(run("verify " + in + " " + mesh).exit_code, 4);
 
   for (const char* words : {" --map lim", " --forward global", " --preset flow --reverse pins",
-                            " --allow-flips", " --allow-branches", " --preset paper --map none"})
+                            " --allow-flips", " --allow-branches", " --preset paper --map none",
+                            " --map patch", " --preset flow --map lim", " --preset paper --map patch"})
     EXPECT_EQ(run(common + words).exit_code, 2) << words;
 }
 

@@ -51,6 +51,17 @@ class Scripts(unittest.TestCase):
         with open(report, encoding="utf-8") as file:
             return json.load(file), model, mesh
 
+    def test_the_flow_route_has_a_table(self):
+        result = os.path.join(self.folder.name, "flow")
+        run = script(os.path.join(SOURCE, "perf/paper/flow"), "--program", PROGRAM, self.models, "--check",
+                     PROGRAM + " verify --quiet", "--output", result)
+        self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
+        self.assertIn("1 of 1 exact", run.stdout)
+        with open(result + ".json", encoding="utf-8") as file:
+            rows = json.load(file)
+        self.assertEqual([(row["model"], row["status"], row["refused"]) for row in rows], [("worm", "exact", [])])
+        self.assertIn("patch", {stage["name"] for stage in rows[0]["stages"]})
+
     def test_limits_are_measured(self):
         """Limits that fall into a run; by how much they are missed belongs to no test."""
         result = os.path.join(self.folder.name, "limits.json")

@@ -12,6 +12,8 @@
 #include "overtet/io.h"
 #include "overtet/verification.h"
 #include "src/pipeline/pipeline.h"
+#include "src/pipeline/result_hash.h"
+#include "src/pipeline/stage_files.h"
 #include "tests/support/files.h"
 #include "tests/support/models.h"
 #include "tests/support/noise.h"
@@ -161,6 +163,53 @@ TEST(PresetPaper, PartsAreMeshedOneByOne) {
     const PipelineResult r = run_pipeline(s, recipe(PaperRecipe::Map::lim), {});
     EXPECT_EQ(r.report.status, RunStatus::exact) << r.report.message;
     EXPECT_TRUE(verify(s, r.mesh).ok());
+  }
+}
+
+// Surfaces of which every mesh has edges of two turns: what the recipe makes of them is counted, and finished
+// and written only with leave.
+TEST(PresetPaper, EdgesOfTwoTurnsAreListed) {
+  const Surface s = test::obstructed_elbow(0);
+  MeshingOptions branch;
+  branch.on_infeasible = OnInfeasible::branch;
+  const PipelineResult known = run_pipeline(s, branch, {});
+  ASSERT_EQ(known.report.status, RunStatus::branched);
+  const TemporaryFolder folder;
+  VertexMatrix V = s.V;
+  const Result<UnitBox> box = into_unit_box(V);
+  ASSERT_TRUE(box.ok());
+  Result<StageFiles> files = StageFiles::create(folder.file("stages"), hash_of(s), box.value());
+  ASSERT_TRUE(files.ok());
+  TetMesh mesh = known.mesh;
+  back_into_unit_box(mesh.V, box.value());
+  ASSERT_TRUE(files.value().save("mapped", Draft{mesh, 0}).ok());
+
+  MeshingOptions lax = recipe(PaperRecipe::Map::lim);
+  lax.resume = folder.file("stages");
+  lax.allow_branches = true;
+  const PipelineResult r = run_pipeline(s, lax, {});
+  ASSERT_EQ(r.report.status, RunStatus::branched) << r.report.message;
+  EXPECT_EQ(r.report.branch_edges, known.report.branch_edges);
+  VerifyOptions options;
+  options.allow_branches = true;
+  EXPECT_TRUE(verify(s, r.mesh, options).ok());
+  lax.allow_branches = false;
+  EXPECT_EQ(run_pipeline(s, lax, {}).report.status, RunStatus::infeasible);
+
+  // By itself the recipe makes such a mesh, or counts what is wrong.
+  lax.allow_branches = true;
+  lax.resume.clear();
+  for (int i = 0; i < 4; ++i) {
+    const Surface elbow = test::obstructed_elbow(i);
+    const PipelineResult own = run_pipeline(elbow, lax, {});
+    if (own.report.status != RunStatus::branched) {
+      expect_exact_or_counted(elbow, own);
+      continue;
+    }
+    const VerifyResult v = verify(elbow, own.mesh, options);
+    EXPECT_TRUE(v.ok()) << v.summary();
+    EXPECT_EQ(v.branch_edges, own.report.branch_edges);
+    EXPECT_FALSE(v.branch_edges.empty());
   }
 }
 

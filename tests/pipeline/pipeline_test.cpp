@@ -15,6 +15,7 @@
 #include "src/mesh/topology.h"
 #include "src/pipeline/inspection.h"
 #include "src/pipeline/locked_patch.h"
+#include "src/pipeline/solid_patch.h"
 #include "src/pipeline/stage_files.h"
 #include "tests/support/files.h"
 #include "tests/support/models.h"
@@ -189,8 +190,26 @@ TEST(Pipeline, TheFlowRouteMeshesToo) {
   const Surface s = test::curled_worm(390, 12);
   const PipelineResult r = run(s, options);
   expect_mesh(s, r);
+  for (const char* name : {"forward_flow", "tet_mesh", "patch"}) EXPECT_TRUE(stages(r).contains(name));
+  EXPECT_FALSE(stages(r).contains("volume_map"));
+
+  options.flow_map = FlowMap::pull;
+  const PipelineResult pulled = run(s, options);
+  expect_mesh(s, pulled);
   for (const char* name : {"forward_flow", "reverse_flow", "tet_mesh", "volume_map"})
-    EXPECT_TRUE(stages(r).contains(name));
+    EXPECT_TRUE(stages(pulled).contains(name));
+  EXPECT_FALSE(stages(pulled).contains("patch"));
+}
+
+// What moves is most of it, and has hinges: no edge inside makes two turns.
+TEST(Pipeline, TheFlowRoutePatchesHinges) {
+  MeshingOptions options;
+  options.preset = Preset::flow;
+  for (const double degrees : {140.0, 150.0}) {
+    SCOPED_TRACE(degrees);
+    const Surface s = test::elbow(degrees, 16);
+    expect_mesh(s, run(s, options));
+  }
 }
 
 // An odd number of odd hinges that covered edges join: known before anything is cut or moved.
@@ -443,10 +462,13 @@ TEST(Pipeline, SameBytesOnAnyNumberOfThreads) {
     MeshingOptions options;
     options.preset = preset;
     const Surface s = test::curled_worm(390, 10);
-    std::set<std::string> hashes;
-    for (const int threads : {1, 2, 3, 8}) hashes.insert(run(s, options, threads).report.result_hash);
-    EXPECT_EQ(hashes.size(), 1u);
-    EXPECT_NE(*hashes.begin(), "");
+    for (const FlowMap map : {FlowMap::patch, FlowMap::pull}) {
+      options.flow_map = map;
+      std::set<std::string> hashes;
+      for (const int threads : {1, 2, 3, 8}) hashes.insert(run(s, options, threads).report.result_hash);
+      EXPECT_EQ(hashes.size(), 1u);
+      EXPECT_NE(*hashes.begin(), "");
+    }
   }
 }
 
@@ -485,6 +507,7 @@ TEST(Pipeline, StagesAreSavedAndResumed) {
   const Surface s = test::curled_worm(390, 12);
   MeshingOptions save;
   save.preset = Preset::flow;
+  save.flow_map = FlowMap::pull;
   save.save_stages = folder.file("stages");
   const PipelineResult first = run(s, save);
   ASSERT_TRUE(first.ok()) << first.report.message;
@@ -498,6 +521,7 @@ TEST(Pipeline, StagesAreSavedAndResumed) {
 
   MeshingOptions resume;
   resume.preset = Preset::flow;
+  resume.flow_map = FlowMap::pull;
   resume.resume = save.save_stages;
   const PipelineResult again = run(s, resume);
   ASSERT_TRUE(again.ok()) << again.report.message;
@@ -579,7 +603,7 @@ TEST(Pipeline, LockedMapsAreKeptAsProblems) {
   }
   ASSERT_TRUE(verify({state.V.topRows(s.V.rows()), s.F}, state).ok());
 
-  const LockedSolid solid = solid_around(state, s.V, away);
+  const SolidPatch solid = solid_around(state, s.V, away, 3);
   EXPECT_TRUE(check_topology(solid.target).ok());
   const auto boundary = solid.target.V.rows();
   EXPECT_EQ(solid.start.surface_vertices, boundary);

@@ -61,7 +61,8 @@ def test_input_is_left_alone_and_not_kept(worm):
     (CUBE[0], None, "F is missing"),
 ])
 def test_wrong_arrays(V, F, words):
-    for function in (overtet.tetrahedralize, overtet.inspect, overtet.clean_up, overtet.prepare, overtet.repair):
+    for function in (overtet.tetrahedralize, overtet.inspect, overtet.clean_up, overtet.prepare, overtet.repair,
+                     overtet.embed):
         with pytest.raises(overtet.UsageError, match=words):
             function(V, F)
         with pytest.raises(ValueError):
@@ -82,8 +83,9 @@ def test_wrong_surfaces():
         with pytest.raises(overtet.BadInput) as caught:
             overtet.tetrahedralize(v, f)
         assert caught.value.code == 3 and str(caught.value).endswith("."), name
-        with pytest.raises(overtet.BadInput):
-            overtet.repair(v, f)
+        for function in (overtet.repair, overtet.embed):
+            with pytest.raises(overtet.BadInput):
+                function(v, f)
         if name in ("far", "least"):
             assert caught.value.face == 1 and "Face 1" in str(caught.value)
         else:

@@ -109,6 +109,21 @@ def test_repaired_as_by_the_program(tmp_path):
     assert alone.max_relative_move == made.max_relative_move <= .06
 
 
+def test_embedded_as_by_the_program(worm, tmp_path):
+    V, F = worm
+    made = overtet.embed(V, F, threads=2)
+    overtet.write(tmp_path / "in.off", overtet.Surface(V, F))
+    run_program("embed", tmp_path / "in.off", "-o", tmp_path / "theirs.off")
+    theirs = overtet.read(tmp_path / "theirs.off")
+    assert theirs.V.tobytes() == made.V.tobytes() and theirs.F.tolist() == made.F.tolist() == F.tolist()
+    assert overtet.inspect(made.V, made.F).verdict == "embedded"
+    still = np.setdiff1d(np.arange(len(V)), made.moved)
+    assert len(made.moved) > 0 and made.V[still].tobytes() == V[still].tobytes()
+    assert .3 < made.area["p01"] <= 1 and not made.collapsed and len(made.laid_aside) == 0
+    assert made.report["status"] == "embedded" and made.report["embedding"]["area"] == made.area
+    assert "moved" in repr(made)
+
+
 def test_sizes_and_labels(worm):
     V, F = worm
     labels = np.arange(len(F))[::-1] % 7 - 3

@@ -1,5 +1,5 @@
-// What pictures show, before anybody draws it: cuts close, colours are those of the elements, nothing is out of
-// sight.
+// What pictures show, before anybody draws it: cuts close, colours are those of the elements, nothing is out
+// of sight.
 #include "src/view/scene.h"
 
 #include <gtest/gtest.h>
@@ -76,7 +76,8 @@ LabelledTetMesh mirrored(LabelledTetMesh m, Eigen::Index axis) {
 
 // Some shade of the colour.
 bool is_shade_of(const Colour& seen, const Colour& colour) {
-  const std::size_t most = static_cast<std::size_t>(std::max_element(colour.begin(), colour.end()) - colour.begin());
+  const std::size_t most =
+      static_cast<std::size_t>(std::max_element(colour.begin(), colour.end()) - colour.begin());
   const double shade = static_cast<double>(seen[most]) / colour[most];
   for (std::size_t k = 0; k < 3; ++k)
     if (std::abs(shade * colour[k] - seen[k]) > 1.5) return false;
@@ -280,7 +281,8 @@ TEST(Scene, LayersArePulledApart) {
     }
     return sum;
   };
-  const std::vector<double> along = along_of(worm().mesh.V, {worm().mesh.T.data(), worm().mesh.T.data() + worm().mesh.T.size()}, 4);
+  const std::vector<double> along =
+      along_of(worm().mesh.V, {worm().mesh.T.data(), worm().mesh.T.data() + worm().mesh.T.size()}, 4);
   const auto along_of_triangle = [&](std::size_t t) {
     return along[static_cast<std::size_t>(worm().mesh.T(together.triangles.element[t], 0))];
   };

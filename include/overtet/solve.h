@@ -1,0 +1,99 @@
+// Fields on tet meshes that overlap themselves: what the meshes are for (Sacht et al. 2013, section 5). A
+// field has a value at every node of the mesh, so it has two in a place where two layers of the solid
+// overlap, and neither knows of the other.
+//
+// Nodes are the vertices of the mesh; of quadratic elements (order 2) also the middles of its edges, which
+// follow them as in files of second order (io.h). All results are the same bytes on any number of threads.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "overtet/attributes.h"
+#include "overtet/result.h"
+#include "overtet/run_context.h"
+#include "overtet/types.h"
+
+namespace overtet {
+
+// Of a place. It may be called from several threads at a time.
+using ScalarFunction = std::function<double(const Eigen::Vector3d&)>;
+
+// A function on part of the boundary: all of it, the triangles with a label, or (of values only) some
+// vertices, which may lie inside, too.
+struct BoundaryValue {
+  std::optional<Index> label;
+  std::vector<Index> vertices;
+  ScalarFunction function;
+};
+
+enum class FieldEquation {
+  laplace,    // Laplace(u) = 0
+  poisson,    // -Laplace(u) = f
+  biharmonic  // Laplace(Laplace(u)) = f; values and fluxes hold both where values are given
+};
+
+struct FieldOptions {
+  FieldEquation equation = FieldEquation::laplace;
+  int order = 1;  // of the elements: 1 or, but for the biharmonic equation, 2
+  // Given u; where two of them meet, the later one counts. At least one a connected component of the tets.
+  std::vector<BoundaryValue> values;
+  // Given du/dn, along the normal that points outwards; the sum where several are given for a triangle. 0
+  // elsewhere.
+  std::vector<BoundaryValue> fluxes;
+  ScalarFunction source;  // f; none: 0
+
+  Status validate() const;  // Errors: usage.
+};
+
+struct Field {
+  VertexMatrix nodes;         // #N x 3
+  Eigen::VectorXd values;     // #N
+  double energy = 0;          // the integral of |grad u|^2 / 2
+  double residual = 0;        // of the linear system, relative to its right-hand side
+  double factor_entries = 0;  // of the Cholesky factor
+  double seconds_assembly = 0, seconds_factor = 0, seconds_solve = 0;
+};
+
+// Galerkin's method; the biharmonic equation as two of second order (-Laplace(u) = v, -Laplace(v) = f) with a
+// lumped mass matrix, the fluxes holding weakly. pre: every tet is positive, indices are in range. Errors:
+// usage (options; a label that no triangle has; a vertex that does not exist; a component of the tets without
+// a given value), bad_input (a function's value that is not finite: the message has the place), unsolved (the
+// system is not positive definite in doubles), limit, interrupted.
+Result<Field> solve_field(const LabelledTetMesh& mesh, const FieldOptions& options,
+                          const RunContext& context = {});
+
+struct DistanceOptions {
+  // Of the heat's time, in squares of the mean edge length: more is smoother and less exact.
+  double smoothing = 1;
+
+  Status validate() const;  // Errors: usage.
+};
+
+// Geodesic distances inside the solid, which the overlap does not shorten, by the heat method [Crane,
+// Weischedel, Wardetzky 2013] with linear elements: two systems that are factored once, for any number of
+// sources.
+class Distances {
+ public:
+  // Errors: usage, unsolved, limit, interrupted. The mesh is not kept.
+  static Result<Distances> prepare(const TetMesh& mesh, const DistanceOptions& options = {},
+                                   const RunContext& context = {});
+  ~Distances();
+  Distances(Distances&&) noexcept;
+  Distances& operator=(Distances&&) noexcept;
+
+  // By vertex: the distance from the nearest source; infinity where no way leads. Errors: usage (no source,
+  // or a vertex that does not exist), limit, interrupted.
+  Result<Eigen::VectorXd> from(std::span<const Index> sources, const RunContext& context = {}) const;
+
+ private:
+  struct Impl;
+  explicit Distances(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace overtet

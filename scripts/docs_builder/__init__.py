@@ -1,0 +1,1 @@
+"""What scripts/docs is made of: the sources' links, the references, Sphinx, and a check of the pages."""

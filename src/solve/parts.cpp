@@ -1,0 +1,67 @@
+#include "src/solve/parts.h"
+
+#include "kernels/core/union_find.h"
+
+namespace overtet::solve_detail {
+
+Components components_of(const VertexMatrix& V, const TetMatrix& T) {
+  UnionFind sets(static_cast<std::size_t>(V.rows()));
+  for (Eigen::Index t = 0; t < T.rows(); ++t)
+    for (int k = 1; k < 4; ++k) sets.join_smaller(T(t, 0), T(t, k));
+  Components out;
+  out.of_vertex.assign(static_cast<std::size_t>(V.rows()), -1);
+  std::vector<Index> number(static_cast<std::size_t>(V.rows()), -1);
+  for (Eigen::Index t = 0; t < T.rows(); ++t) {
+    Index& n = number[static_cast<std::size_t>(sets.root(T(t, 0)))];
+    if (n < 0) {
+      n = static_cast<Index>(out.first_tet.size());
+      out.first_tet.push_back(static_cast<Index>(t));
+    }
+    for (int k = 0; k < 4; ++k) out.of_vertex[static_cast<std::size_t>(T(t, k))] = n;
+  }
+  return out;
+}
+
+SymmetricMatrix kept_part(const SymmetricMatrix& A, const std::vector<Index>& number, Index count) {
+  SymmetricMatrix out(count, count);
+  out.reserve(A.nonZeros());
+  for (Eigen::Index j = 0; j < A.outerSize(); ++j) {
+    const Index column = number[static_cast<std::size_t>(j)];
+    if (column < 0) continue;
+    out.startVec(column);
+    for (SymmetricMatrix::InnerIterator it(A, j); it; ++it)
+      if (const Index row = number[static_cast<std::size_t>(it.row())]; row >= 0)
+        out.insertBack(row, column) = it.value();
+  }
+  out.finalize();
+  return out;
+}
+
+Eigen::VectorXd times(const SymmetricMatrix& A, const Eigen::VectorXd& x) {
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(x.size());
+  for (Eigen::Index j = 0; j < A.outerSize(); ++j)
+    for (SymmetricMatrix::InnerIterator it(A, j); it; ++it) {
+      y[it.row()] += it.value() * x[j];
+      if (it.row() != j) y[j] += it.value() * x[it.row()];
+    }
+  return y;
+}
+
+Result<SparseCholesky> factored(const SymmetricMatrix& A, const RunContext& context) {
+  if (auto stop = context.stop()) return *stop;
+  SparseCholesky factor(
+      {.ordering = CholeskyOptions::Ordering::automatic, .method = CholeskyOptions::Method::automatic});
+  if (!factor.analyze(A))
+    return Error{ErrorCode::limit, "There is not enough memory for the factor of this system."};
+  if (auto e = context.no_room_for(static_cast<std::size_t>(8 * factor.factor_entries()))) return *e;
+  if (auto stop = context.stop()) return *stop;
+  if (!factor.factor(A))
+    return Error{ErrorCode::unsolved,
+                 "The system of equations is not positive definite in double precision: the mesh has tets "
+                 "that are too flat, "
+                 "or memory ran out. Improve the mesh."};
+  if (auto stop = context.stop()) return *stop;
+  return factor;
+}
+
+}  // namespace overtet::solve_detail

@@ -1,0 +1,31 @@
+// What the solvers share. Internal to src/solve.
+#pragma once
+
+#include <vector>
+
+#include "kernels/sparse/cholesky.h"
+#include "overtet/result.h"
+#include "overtet/run_context.h"
+#include "overtet/types.h"
+
+namespace overtet::solve_detail {
+
+// The component of the tets that each vertex belongs to, counted from 0 in the order of their first tets; -1:
+// no tet.
+struct Components {
+  std::vector<Index> of_vertex;
+  std::vector<Index> first_tet;
+};
+Components components_of(const VertexMatrix& V, const TetMatrix& T);
+
+// Rows and columns that are kept, numbered by `number` (-1: left out), which must be increasing.
+SymmetricMatrix kept_part(const SymmetricMatrix& A, const std::vector<Index>& number, Index count);
+
+// A x, of one column.
+Eigen::VectorXd times(const SymmetricMatrix& A, const Eigen::VectorXd& x);
+
+// Of matrices of volume meshes. Errors: unsolved (not positive definite, or out of memory), interrupted,
+// limit.
+Result<SparseCholesky> factored(const SymmetricMatrix& A, const RunContext& context);
+
+}  // namespace overtet::solve_detail
