@@ -49,7 +49,8 @@ Result<BoundaryValue> place_in(const std::string& text, const LabelledTetMesh& m
   BoundaryValue out;
   if (text == "all") return out;
   const std::size_t colon = text.find(':');
-  const std::string kind = text.substr(0, colon), rest = colon == std::string::npos ? "" : text.substr(colon + 1);
+  const std::string kind = text.substr(0, colon),
+                    rest = colon == std::string::npos ? "" : text.substr(colon + 1);
   if (kind == "label" && !rest.empty()) {
     const Result<Index> label = label_in(rest, mesh);
     if (!label) return label.error();
@@ -68,10 +69,12 @@ Result<BoundaryValue> place_in(const std::string& text, const LabelledTetMesh& m
     out.vertices = std::move(numbers).value();
     return out;
   }
-  return bad_words("'" + text + "' is no place; write all, label:NUMBER, label:NAME, vertices:N,N,... or vertices:@FILE.");
+  return bad_words("'" + text +
+                   "' is no place; write all, label:NUMBER, label:NAME, vertices:N,N,... or vertices:@FILE.");
 }
 
-Result<std::vector<BoundaryValue>> conditions_in(const std::vector<std::string>& words, const LabelledTetMesh& mesh) {
+Result<std::vector<BoundaryValue>> conditions_in(const std::vector<std::string>& words,
+                                                 const LabelledTetMesh& mesh) {
   std::vector<BoundaryValue> out;
   for (const std::string& word : words) {
     const std::size_t equals = word.find('=');
@@ -90,7 +93,7 @@ Result<std::vector<BoundaryValue>> conditions_in(const std::vector<std::string>&
 struct Solution {
   std::string name;  // of the data
   Eigen::VectorXd values;
-  nlohmann::ordered_json figures;
+  nlohmann::ordered_json figures = nlohmann::ordered_json::object();
 };
 
 Result<Solution> field_of(const SolveCommand& c, const LabelledTetMesh& mesh, const RunContext& context) {
@@ -99,7 +102,8 @@ Result<Solution> field_of(const SolveCommand& c, const LabelledTetMesh& mesh, co
                : c.equation == "biharmonic" ? FieldEquation::biharmonic
                                             : FieldEquation::laplace;
   o.order = c.order;
-  Result<std::vector<BoundaryValue>> values = conditions_in(c.values, mesh), fluxes = conditions_in(c.fluxes, mesh);
+  Result<std::vector<BoundaryValue>> values = conditions_in(c.values, mesh),
+                                     fluxes = conditions_in(c.fluxes, mesh);
   if (!values) return values.error();
   if (!fluxes) return fluxes.error();
   o.values = std::move(values).value();
@@ -150,7 +154,7 @@ Result<Solution> distances_of(const SolveCommand& c, const LabelledTetMesh& mesh
   if (!prepared) return prepared.error();
   Result<Eigen::VectorXd> found = prepared.value().from(sources.value(), context);
   if (!found) return found.error();
-  return Solution{"distance", std::move(found).value(), {}};
+  return Solution{"distance", std::move(found).value()};
 }
 
 Status check(const SolveCommand& c) {
@@ -159,7 +163,8 @@ Status check(const SolveCommand& c) {
   if (distances && (!c.values.empty() || !c.fluxes.empty() || !c.source.empty() || c.order != 1))
     return bad_words("Of geodesic distances, only --from and --smoothing are given.");
   if (!distances && !c.from.empty()) return bad_words("--from is the source of geodesic distances.");
-  if (same_file(c.input, c.output)) return bad_words("The output would overwrite the input; choose another name.");
+  if (same_file(c.input, c.output))
+    return bad_words("The output would overwrite the input; choose another name.");
   return success();
 }
 
@@ -170,7 +175,8 @@ Result<Solution> solve_and_write(const SolveCommand& c, TetFormat format, const 
   if (!read) return read.error();
   LabelledTetMesh& mesh = read.value();
   context.report("solve", 0);
-  Result<Solution> solved = c.equation == "geodesic" ? distances_of(c, mesh, context) : field_of(c, mesh, context);
+  Result<Solution> solved =
+      c.equation == "geodesic" ? distances_of(c, mesh, context) : field_of(c, mesh, context);
   if (!solved) return solved;
   const Eigen::VectorXd& u = solved.value().values;
   mesh.attributes.vertex_data.push_back(
@@ -188,12 +194,14 @@ int run(const SolveCommand& command, const CommonOptions& common, Terminal& term
   const Result<TetFormat> format = tet_format_of(command.output);
   if (!format) return fail(terminal, format.error());
   if (format.value() != TetFormat::vtu && format.value() != TetFormat::vtk)
-    return fail(terminal, bad_words("Fields are written as .vtu or .vtk; the other formats have no place for them."));
+    return fail(terminal,
+                bad_words("Fields are written as .vtu or .vtk; the other formats have no place for them."));
   if (Status s = check(command); !s) return fail(terminal, s.error());
   OutputProbe probe;
   if (Status s = probe.open(command.output); !s) return fail(terminal, s.error());
   const RunContext context = common.context(terminal);
-  Watchdog watchdog(context, common.start, [&](const Error& error) { terminal.last_words(with_hint(error)); });
+  Watchdog watchdog(context, common.start,
+                    [&](const Error& error) { terminal.last_words(with_hint(error)); });
   Result<Solution> solved =
       caught([&] { return solve_and_write(command, format.value(), context, watchdog.writing(context)); });
   if (!solved) return fail(watchdog, terminal, solved.error());

@@ -46,8 +46,12 @@ Result<ScalarFunction> function_of(const std::string& formula) {
       return f->parser.Eval();
     });
   } catch (const mu::Parser::exception_type& e) {
-    return Error{ErrorCode::usage, "The formula '" + text + "' is wrong: " + e.GetMsg() +
-                                       " It may use x, y, z, numbers, + - * / ^, comparisons, and functions like sin and sqrt."};
+    std::string why = e.GetMsg();
+    while (why.ends_with('.') || why.ends_with('\n')) why.pop_back();
+    return Error{
+        ErrorCode::usage,
+        "The formula '" + text + "' is wrong: " + why +
+            ". It may use x, y, z, numbers, + - * / ^, comparisons, and functions like sin and sqrt."};
   }
 }
 

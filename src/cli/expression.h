@@ -11,8 +11,8 @@ namespace overtet {
 // What a text file holds. Errors: io.
 Result<std::string> text_of(const std::string& path);
 
-// Of x, y and z, in muParser's notation; what begins with @ names a file that holds the formula. Errors: usage
-// (the message names the place in the formula), io.
+// Of x, y and z, in muParser's notation; what begins with @ names a file that holds the formula. Errors:
+// usage (the message names the place in the formula), io.
 Result<ScalarFunction> function_of(const std::string& formula);
 
 }  // namespace overtet
