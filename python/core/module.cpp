@@ -155,7 +155,7 @@ py::dict repair(const py::handle& V, const py::handle& F, double max_move, const
                   "mean_relative_move"_a = r.mean_relative_move, "report"_a = message_text(to_json(report)));
 }
 
-py::dict dict_of(const RatioRange& r) {
+py::dict ratios_of(const RatioRange& r) {
   return py::dict("least"_a = r.least, "p01"_a = r.p01, "p50"_a = r.p50, "p99"_a = r.p99, "most"_a = r.most);
 }
 
@@ -172,8 +172,8 @@ py::dict embed_(const py::handle& V, const py::handle& F, const py::dict& run) {
   report.message = "No faces intersect, checked exactly.";
   return py::dict("V"_a = array_of(std::move(e.surface.V)), "F"_a = array_of(std::move(e.surface.F)),
                   "moved"_a = array_of(std::move(e.moved)),
-                  "laid_aside"_a = array_of(std::move(e.laid_aside)), "area"_a = dict_of(e.quality.area),
-                  "edge"_a = dict_of(e.quality.edge), "area_within_20"_a = e.quality.area_within_20,
+                  "laid_aside"_a = array_of(std::move(e.laid_aside)), "area"_a = ratios_of(e.quality.area),
+                  "edge"_a = ratios_of(e.quality.edge), "area_within_20"_a = e.quality.area_within_20,
                   "collapsed"_a = e.quality.collapsed, "report"_a = message_text(to_json(report)));
 }
 

@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <string>
 
-#include "kernels/core/tuning.h"
 #include "kernels/fem/elements.h"
 #include "src/solve/parts.h"
 
