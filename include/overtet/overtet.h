@@ -14,7 +14,7 @@
 //   attributes.h    labels, regions, layers and what else goes with a mesh
 //   curves.h        intersection_curves()
 //   io.h            reading and writing
-//   view.h          write_page(): a page to look at
+//   view.h          write_page(), write_picture(): to look at
 //   report.h        what a run says about itself, as JSON
 //   version.h
 //
@@ -34,6 +34,7 @@
 #include "overtet/report.h"
 #include "overtet/result.h"
 #include "overtet/run_context.h"
+#include "overtet/solve.h"
 #include "overtet/types.h"
 #include "overtet/verification.h"
 #include "overtet/version.h"

@@ -60,10 +60,10 @@ struct Field {
 };
 
 // Galerkin's method; the biharmonic equation as two of second order (-Laplace(u) = v, -Laplace(v) = f) with a
-// lumped mass matrix, the fluxes holding weakly. pre: every tet is positive, indices are in range. Errors:
-// usage (options; a label that no triangle has; a vertex that does not exist; a component of the tets without
-// a given value), bad_input (a function's value that is not finite: the message has the place), unsolved (the
-// system is not positive definite in doubles), limit, interrupted.
+// lumped mass matrix, the fluxes holding weakly. pre: indices are in range. Errors: usage (options; a label
+// that no triangle has; a vertex that does not exist; a component of the tets without a given value),
+// bad_input (a tet that is not positive; a function's value that is not finite: the message has the place),
+// unsolved (the system is not positive definite in doubles), limit, interrupted.
 Result<Field> solve_field(const LabelledTetMesh& mesh, const FieldOptions& options,
                           const RunContext& context = {});
 
@@ -79,7 +79,8 @@ struct DistanceOptions {
 // sources.
 class Distances {
  public:
-  // Errors: usage, unsolved, limit, interrupted. The mesh is not kept.
+  // Errors: usage, bad_input (a tet that is not positive), unsolved, limit, interrupted. The mesh is not
+  // kept.
   static Result<Distances> prepare(const TetMesh& mesh, const DistanceOptions& options = {},
                                    const RunContext& context = {});
   ~Distances();

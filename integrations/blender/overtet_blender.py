@@ -469,9 +469,10 @@ class OVERTET_PT_panel(bpy.types.Panel):
         column.operator(OVERTET_OT_inspect.bl_idname)
         column.operator(OVERTET_OT_mesh.bl_idname)
         words = context.window_manager.overtet_message.split()
+        most = max(16, int(context.region.width / (7.5 * context.preferences.system.ui_scale)))  # letters a line, about
         line = ""
         for word in words + [""]:
-            if line and (not word or len(line) + len(word) > 40):
+            if line and (not word or len(line) + len(word) >= most):
                 column.label(text=line)
                 line = ""
             line = f"{line} {word}".strip()

@@ -6,8 +6,8 @@
 
 #include "kernels/core/assertions.h"
 #include "kernels/core/tet_tables.h"
-#include "kernels/fem/tuning.h"
 #include "kernels/parallel/parallel.h"
+#include "kernels/parallel/tuning.h"
 
 namespace overtet {
 
@@ -102,7 +102,7 @@ TetElements::TetElements(const VertexMatrix& V, const TetMatrix& T, int order)
     : order_(order), place_(V), vertices_(static_cast<Index>(V.rows())) {
   OVERTET_EXPECTS(order == 1 || order == 2);
   shape_.resize(static_cast<std::size_t>(T.rows()));
-  parallel_for(T.rows(), kElementGrain, [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(T.rows(), kMediumGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t t = begin; t < end; ++t) shape_[static_cast<std::size_t>(t)] = tet_shape(V, T, t);
   });
   node_.resize(T.rows(), nodes_each());
@@ -113,7 +113,7 @@ TetElements::TetElements(const VertexMatrix& V, const TetMatrix& T, int order)
 
 void TetElements::add_middles(const VertexMatrix& V) {
   edge_ = parallel_collect<std::array<Index, 2>>(
-      tets(), kElementGrain,
+      tets(), kMediumGrain,
       [&](std::int64_t begin, std::int64_t end, std::vector<std::array<Index, 2>>& list) {
         for (std::int64_t t = begin; t < end; ++t)
           for (const auto& [i, j] : kTetEdge)
@@ -123,13 +123,13 @@ void TetElements::add_middles(const VertexMatrix& V) {
   edge_.erase(std::unique(edge_.begin(), edge_.end()), edge_.end());
   edge_.shrink_to_fit();
   place_.conservativeResize(vertices_ + std::ssize(edge_), 3);
-  parallel_for(std::ssize(edge_), kElementGrain, [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(std::ssize(edge_), kMediumGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t e = begin; e < end; ++e) {
       const auto& [a, b] = edge_[static_cast<std::size_t>(e)];
       place_.row(vertices_ + e) = (V.row(a) + V.row(b)) / 2;
     }
   });
-  parallel_for(tets(), kElementGrain, [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(tets(), kMediumGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t t = begin; t < end; ++t)
       for (int e = 0; e < 6; ++e)
         node_(t, 4 + e) = middle(node_(t, kTetEdge[e][0]), node_(t, kTetEdge[e][1]));
@@ -169,11 +169,11 @@ SymmetricMatrix TetElements::assemble(Entry&& entry) const {
     }
   };
   std::vector<std::vector<Index>> rows_of_block(
-      static_cast<std::size_t>((nodes() + kElementGrain - 1) / kElementGrain));
+      static_cast<std::size_t>((nodes() + kMediumGrain - 1) / kMediumGrain));
   SymmetricMatrix A(nodes(), nodes());
   int* const start = A.outerIndexPtr();
-  parallel_for(nodes(), kElementGrain, [&](std::int64_t begin, std::int64_t end) {
-    std::vector<Index>& all = rows_of_block[static_cast<std::size_t>(begin / kElementGrain)];
+  parallel_for(nodes(), kMediumGrain, [&](std::int64_t begin, std::int64_t end) {
+    std::vector<Index>& all = rows_of_block[static_cast<std::size_t>(begin / kMediumGrain)];
     std::vector<Index> rows;
     for (std::int64_t v = begin; v < end; ++v) {
       rows.clear();
@@ -187,8 +187,8 @@ SymmetricMatrix TetElements::assemble(Entry&& entry) const {
   start[0] = 0;
   for (Index v = 0; v < nodes(); ++v) start[v + 1] += start[v];
   A.resizeNonZeros(start[nodes()]);
-  parallel_for(nodes(), kElementGrain, [&](std::int64_t begin, std::int64_t end) {
-    const std::vector<Index>& all = rows_of_block[static_cast<std::size_t>(begin / kElementGrain)];
+  parallel_for(nodes(), kMediumGrain, [&](std::int64_t begin, std::int64_t end) {
+    const std::vector<Index>& all = rows_of_block[static_cast<std::size_t>(begin / kMediumGrain)];
     std::copy(all.begin(), all.end(), A.innerIndexPtr() + start[begin]);
     std::fill(A.valuePtr() + start[begin], A.valuePtr() + start[end], 0.0);
     for (std::int64_t v = begin; v < end; ++v) {
@@ -207,7 +207,7 @@ SymmetricMatrix TetElements::assemble(Entry&& entry) const {
 template <class Part>
 Eigen::VectorXd TetElements::gather(Part&& part) const {
   Eigen::VectorXd out(nodes());
-  parallel_for(nodes(), kElementGrain, [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(nodes(), kMediumGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t v = begin; v < end; ++v) {
       double sum = 0;
       for (std::int64_t at = first_[static_cast<std::size_t>(v)];
@@ -241,7 +241,7 @@ Eigen::VectorXd TetElements::lumped_mass() const {
 
 Eigen::VectorXd TetElements::energy(const Eigen::VectorXd& u) const {
   Eigen::VectorXd out(tets());
-  parallel_for(tets(), kElementGrain, [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(tets(), kMediumGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t t = begin; t < end; ++t) {
       const auto tet = static_cast<Index>(t);
       double sum = 0;
@@ -261,7 +261,7 @@ Eigen::VectorXd TetElements::energy(const Eigen::VectorXd& u) const {
 VertexMatrix TetElements::gradient(const Eigen::VectorXd& u) const {
   OVERTET_EXPECTS(order_ == 1);
   VertexMatrix out(tets(), 3);
-  parallel_for(tets(), kElementGrain, [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(tets(), kMediumGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t t = begin; t < end; ++t) {
       Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
       for (int k = 0; k < 4; ++k) sum += u[node_(t, k)] * shape(static_cast<Index>(t)).gradient.row(k);

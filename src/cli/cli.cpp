@@ -392,6 +392,41 @@ CLI::App* add_view(CLI::App& app, ViewCommand& view) {
   return command;
 }
 
+CLI::App* add_solve(CLI::App& app, SolveCommand& solve) {
+  CLI::App* command = app.add_subcommand(
+      "solve", "Compute a field on a tet mesh: what its layers have in one place is kept apart");
+  command
+      ->add_option("EQUATION", solve.equation,
+                   "laplace, poisson (-Laplace(u) = f), biharmonic (Laplace(Laplace(u)) = f), or geodesic "
+                   "(distances inside)")
+      ->required()
+      ->check(CLI::IsMember({"laplace", "poisson", "biharmonic", "geodesic"}));
+  command->add_option("MESH", solve.input, "Tet mesh: .mesh, .msh, .vtu, .node, .inp or .vtk")->required();
+  command->add_option("--output,-o", solve.output, "The mesh with the field: .vtu or .vtk")->required();
+  command->add_option(
+      "--value", solve.values,
+      "WHERE=FORMULA: the field there; may be repeated, and later ones count where they meet");
+  command->add_option(
+      "--flux", solve.fluxes,
+      "WHERE=FORMULA: the derivative along the outer normal (0 elsewhere); may be repeated, and adds up");
+  command->add_option("--source", solve.source, "f, a formula (default: 0)");
+  command->add_option("--order", solve.order, "Of the elements: 1 or, with nodes in the middle of edges, 2")
+      ->check(CLI::IsMember({1, 2}))
+      ->capture_default_str();
+  command->add_option("--from", solve.from, "WHERE distances are measured from; may be repeated");
+  command
+      ->add_option("--smoothing", solve.smoothing,
+                   "Of distances: the heat's time, in squares of the mean edge length")
+      ->check(between(1e-6, 1e6))
+      ->capture_default_str();
+  command->add_flag("--json", solve.json, "Print JSON");
+  command->footer(
+      "WHERE: all (of the boundary), label:NUMBER, label:NAME, vertices:N,N,... (counted from 0) or "
+      "vertices:@FILE. FORMULA: of x, y and z "
+      "(muParser), or @FILE. Values must be given somewhere in every component.");
+  return command;
+}
+
 CLI::App* add_batch(CLI::App& app, BatchCommand& batch, CommonOptions& common) {
   CLI::App* command = app.add_subcommand(
       "batch", "Mesh many surfaces, each in a process of its own, and keep a journal that can be resumed");
@@ -475,6 +510,7 @@ struct CommandLine {
   VerifyCommand verify;
   ConvertCommand convert;
   ViewCommand view;
+  SolveCommand solve;
   BatchCommand batch;
   std::string manual, shell;
   std::vector<std::pair<const CLI::App*, std::function<int(Terminal&)>>> commands;
@@ -515,6 +551,7 @@ void add_commands(CLI::App& app, CommandLine& line) {
       ->add_flag("--strict", line.verify.clean.strict, "Refuse a surface that needs a clean-up");
   runs(add_convert(app, line.convert), line.convert);
   runs(add_view(app, line.view), line.view);
+  runs(add_solve(app, line.solve), line.solve);
   does(add_batch(app, line.batch, line.common),
        [&line](Terminal& t) { return run(line.batch, line.common, t); });
   CLI::App* manual = app.add_subcommand("manual", "Print a man page: of a command, or of the program");

@@ -104,6 +104,17 @@ struct ViewCommand {
   double apart = 0;
 };
 
+// More than 12 members: what the user chose, option by option.
+struct SolveCommand {
+  std::string equation, input, output;
+  int order = 1;
+  std::vector<std::string> values, fluxes;  // WHERE=FORMULA
+  std::string source;                       // a formula
+  std::vector<std::string> from;            // of distances: WHERE
+  double smoothing = 1;
+  bool json = false;
+};
+
 // Each returns the exit code.
 int run(const MeshCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const InspectCommand& command, const CommonOptions& common, Terminal& terminal);
@@ -113,6 +124,7 @@ int run(const PrepareCommand& command, const CommonOptions& common, Terminal& te
 int run(const VerifyCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const ConvertCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const ViewCommand& command, const CommonOptions& common, Terminal& terminal);
+int run(const SolveCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const BatchCommand& command, const CommonOptions& common, Terminal& terminal);
 
 // The format that is asked for by name, else that of the ending; says so where they differ.

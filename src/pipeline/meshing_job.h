@@ -15,6 +15,7 @@
 
 namespace overtet {
 
+// More than 12 members: what all stages of one run share.
 struct MeshingJob {
   const Surface& surface;  // in the unit box
   const UnitBox& box;

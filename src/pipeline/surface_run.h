@@ -30,6 +30,7 @@ struct SurfaceRunSetup {
 };
 
 // Nothing is written anywhere but the stages' records: what was found is asked for.
+// More than 12 members: what is known of the surface by now, and where it is kept.
 class SurfaceRun {
  public:
   // The arguments must live as long as the run.

@@ -45,6 +45,7 @@ HeatMethod::HeatMethod(const TetMesh& mesh)
 
 Result<HeatMethod> HeatMethod::prepare(const TetMesh& mesh, const DistanceOptions& options,
                                        const RunContext& context) {
+  if (Status s = check(mesh); !s) return s.error();
   HeatMethod x(mesh);
   x.number_.assign(static_cast<std::size_t>(mesh.V.rows()), -1);
   x.held_ = x.number_;

@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <string>
 
-#include "kernels/core/tuning.h"
 #include "kernels/fem/elements.h"
 #include "src/solve/parts.h"
 
@@ -269,6 +268,7 @@ Status FieldOptions::validate() const {
 namespace solve_detail {
 
 Result<Field> field(const LabelledTetMesh& mesh, const FieldOptions& options, const RunContext& context) {
+  if (Status s = check(mesh.mesh); !s) return s.error();
   return FieldSystem(mesh, options, context).solve();
 }
 

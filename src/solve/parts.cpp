@@ -1,6 +1,9 @@
 #include "src/solve/parts.h"
 
+#include <string>
+
 #include "kernels/core/union_find.h"
+#include "src/mesh/tet_complex.h"
 
 namespace overtet::solve_detail {
 
@@ -20,6 +23,12 @@ Components components_of(const VertexMatrix& V, const TetMatrix& T) {
     for (int k = 0; k < 4; ++k) out.of_vertex[static_cast<std::size_t>(T(t, k))] = n;
   }
   return out;
+}
+
+Status check(const TetMesh& mesh) {
+  const Index t = first_not_positive(mesh);
+  if (t < 0) return success();
+  return Error{ErrorCode::bad_input, "Tet " + std::to_string(t) + " (counted from 0) is not positive."};
 }
 
 SymmetricMatrix kept_part(const SymmetricMatrix& A, const std::vector<Index>& number, Index count) {

@@ -18,6 +18,9 @@ struct Components {
 };
 Components components_of(const VertexMatrix& V, const TetMatrix& T);
 
+// Errors: bad_input, where a tet is not positive.
+Status check(const TetMesh& mesh);
+
 // Rows and columns that are kept, numbered by `number` (-1: left out), which must be increasing.
 SymmetricMatrix kept_part(const SymmetricMatrix& A, const std::vector<Index>& number, Index count);
 

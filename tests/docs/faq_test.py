@@ -46,9 +46,15 @@ def plain(words):
 class Faq(unittest.TestCase):
     faq = text("docs", "site", "faq.md")
 
-    def row(self, word):
-        """There is a row of a table that begins with this word as code."""
-        self.assertRegex(self.faq, rf"(?m)^\| `{re.escape(word)}` \|", f"the FAQ has no row for {word}")
+    def section(self, heading):
+        """What stands below a heading, up to the next one."""
+        begin = self.faq.index(f"\n## {heading}")
+        end = self.faq.find("\n## ", begin + 1)
+        return self.faq[begin:end if end > 0 else None]
+
+    def row(self, word, heading):
+        """There is a row of a table there that begins with this word as code."""
+        self.assertRegex(self.section(heading), rf"(?m)^\| `{re.escape(word)}` \|", f"no row for {word} below {heading}")
 
     def test_error_codes(self):
         codes = enum("result.h", "ErrorCode")
@@ -67,31 +73,30 @@ class Faq(unittest.TestCase):
     def test_reasons(self):
         for name in enum("result.h", "ErrorReason"):
             if name != "none":
-                self.row(name)
+                self.row(name, "4: unsolved")
 
     def test_statuses(self):
         named = re.findall(r'return "([a-z-]+)";', words_of("src/report/report.cpp", "name_of\\(RunStatus"))
         self.assertEqual(len(set(named)), len(enum("report.h", "RunStatus")))
         for name in named:
-            self.row(name)
+            self.row(name, "The status in a report")
 
     def test_verdicts(self):
         named = re.findall(r'return "([a-z-]+)";', words_of("src/certificates/diagnose.cpp", "verdict_name\\(Verdict"))
         self.assertGreaterEqual(len(set(named)), len(enum("diagnosis.h", "Verdict")))
-        section = self.faq[self.faq.index("## Verdicts"):]
         for name in set(named):
-            self.assertRegex(section, rf"(?m)^\| `{name}` \|")
+            self.row(name, "Verdicts")
 
     def test_defects(self):
         kinds = enum("cleanup.h", "DefectKind")
         for name in kinds:
-            self.row(name.replace("_", "-"))
+            self.row(name.replace("_", "-"), "3: bad input")
         named = re.findall(r'\{"([a-z-]+)",', words_of("src/cleanup/cleanup.cpp", "words\\(DefectKind"))
         self.assertEqual([name.replace("_", "-") for name in kinds], named)
 
     def test_rules_of_verify(self):
         for name in enum("verification.h", "Rule"):
-            self.row(name)
+            self.row(name, "4: unsolved")
 
     def test_witnesses(self):
         rules = text("src", "certificates", "rules.h")
@@ -100,7 +105,7 @@ class Faq(unittest.TestCase):
         kinds = [kind.strip() for kind in kinds.split(",")]
         self.assertEqual(sorted(kind for kind, _ in named), sorted(kind for kind in kinds if kind != "CustomCertificate"))
         self.assertIn("`CustomCertificate`", self.faq)
-        section = self.faq[self.faq.index("## 5: infeasible"):]
+        section = self.section("5: infeasible")
         for kind, name in named:
             with self.subTest(kind):
                 row = re.search(rf"(?m)^\| `{name}` \|.*$", section)

@@ -42,7 +42,7 @@ def main():
         names = [run("dpkg-deb", "--field", p, "Package").strip() for p in packages]
         python = "python3-overtet" in names
         pictures = "overtet-pictures" in names
-        assert names == ["libovertet-dev", "overtet"] + ["overtet-pictures"] * pictures + ["python3-overtet"] * python, names
+        assert sorted(names) == ["libovertet-dev", "overtet"] + ["overtet-pictures"] * pictures + ["python3-overtet"] * python, names
         assert pictures == os.path.exists(os.path.join(BUILD, "bin", "overtet-picture")), names
         assert python == os.path.exists(os.path.join(BUILD, "python")), names
         print(run("lintian", "--fail-on", "error", "--allow-root", *packages))

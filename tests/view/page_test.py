@@ -143,6 +143,68 @@ class Page(unittest.TestCase):
             canvas.send_keys(key)
             self.assertNotEqual(self.picture(), before, key)
 
+    def test_many_faces_are_drawn_coarsely_while_they_move_only(self):
+        # A thin block of 120 x 120 cells of five tets: 58,560 boundary faces.
+        n, path = 120, self.file("block.mesh")
+        number = lambda x, y, z: (z * (n + 1) + y) * (n + 1) + x + 1
+        with open(path, "w", encoding="ascii") as file:
+            file.write(f"MeshVersionFormatted 2\nDimension 3\nVertices\n{2 * (n + 1) ** 2}\n")
+            file.writelines(f"{x} {y} {z} 0\n" for z in range(2) for y in range(n + 1) for x in range(n + 1))
+            file.write(f"Tetrahedra\n{5 * n * n}\n")
+            for y in range(n):
+                for x in range(n):
+                    c = [number(x + (i & 1), y + (i >> 1 & 1), i >> 2) for i in range(8)]
+                    if (x + y) % 2:  # mirrored, so that neighbours have the same diagonals
+                        c = [c[i ^ 1] for i in range(8)]
+                    for a, b, d, e in ((0, 1, 2, 4), (3, 2, 1, 7), (5, 4, 7, 1), (6, 7, 4, 2), (1, 2, 4, 7)):
+                        t = [c[a], c[b], c[d], c[e]]
+                        if (x + y) % 2:
+                            t[0], t[1] = t[1], t[0]
+                        file.write("%d %d %d %d 1\n" % tuple(t))
+            file.write("End\n")
+        subprocess.run([OVERTET, "view", path, "-o", self.file("block.html"), "--quiet"], check=True)
+        self.open("block.html")
+        self.assertEqual(self.script("overtet.shown()"), 4 * n * n + 8 * n)
+        # Of a picture of 200 x 140: whether there is something, not what colour it has.
+        seen = """(moving => {
+          overtet.frame(moving);
+          const small = new OffscreenCanvas(200, 140).getContext("2d");
+          small.drawImage(document.getElementById("scene"), 0, 0, 200, 140);
+          return [...small.getImageData(0, 0, 200, 140).data].filter((_, i) => i % 4 === 0).map(x => x < 250 ? 1 : 0);
+        })"""
+        for cut in (1, .62):
+            self.slide("cut", cut)
+            moving, still = self.script(seen + "(true)"), self.script(seen + "(false)")
+            self.assertGreater(sum(still), 1000)
+            self.assertLess(sum(a != b for a, b in zip(moving, still)), .03 * sum(still))
+        # What is picked is the same in both.
+        picked = []
+        for moving in ("true", "false"):
+            self.script(f"overtet.frame({moving})")
+            self.driver.execute_script("overtet.pick_at(600, 350)")
+            picked.append(self.driver.find_element(By.ID, "picked").text)
+        self.assertEqual(picked[0], picked[1])
+        self.assertIn("Tet ", picked[0])
+        # When it has stood still for a moment, it is drawn as it should be.
+        width = "document.getElementById('scene').width"
+        self.script("overtet.frame(false)")
+        wide = self.script(width)
+        self.driver.find_element(By.ID, "scene").send_keys(Keys.ARROW_LEFT)
+        WebDriverWait(self.driver, 60).until(lambda d: self.script(width) == wide)
+
+    def test_a_cut_shows_what_is_behind_it(self):
+        # Whichever way the faces to show are found: tet by tet, or from the lists of the cutting plane.
+        self.open("tets.html")
+        for axis in ("x", "y", "z"):
+            Select(self.driver.find_elements(By.TAG_NAME, "select")[1]).select_by_visible_text(axis)
+            for cut in (0, .21, .5, .83, 1):
+                self.slide("cut", cut)
+                quick = self.script("overtet.shown()")
+                self.slide("worse", 89.5)  # all of them are worse, so nothing is left out
+                self.assertEqual(self.script("overtet.shown()"), quick, (axis, cut))
+                self.slide("worse", 90)
+                self.assertEqual(self.script("overtet.shown()"), quick, (axis, cut))
+
     def test_everything_has_a_name_for_a_screen_reader(self):
         self.open("tets.html")
         for control in self.driver.find_elements(By.CSS_SELECTOR, "input, select, button, canvas, svg"):

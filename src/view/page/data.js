@@ -10,6 +10,7 @@ function bytes_of(id) {
   return bytes.buffer;
 }
 
+// null: there is no such block, as it would be empty.
 const array_of = (id, Type) => {
   const buffer = bytes_of(id);
   return buffer ? new Type(buffer) : null;
@@ -19,9 +20,9 @@ const array_of = (id, Type) => {
 export function read_page() {
   return {
     info: JSON.parse(document.getElementById("info").textContent),
-    V: array_of("V", Float32Array),              // 3 numbers a vertex, about the middle of the bounding box
-    T: array_of("T", Int32Array),                // 4 a tet
-    F: array_of("F", Int32Array),                // 3 a boundary triangle, or a face of the surface
+    V: array_of("V", Float32Array) ?? new Float32Array(0),  // 3 numbers a vertex, about the middle of the bounding box
+    T: array_of("T", Int32Array) ?? new Int32Array(0),      // 4 a tet
+    F: array_of("F", Int32Array) ?? new Int32Array(0),      // 3 a boundary triangle, or a face of the surface
     labels: array_of("labels", Int32Array),      // a triangle
     regions: array_of("regions", Int32Array),    // a tet
     layers: array_of("layers", Int32Array),      // a tet

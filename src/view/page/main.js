@@ -1,12 +1,12 @@
 // The page: a picture of a tet mesh or a surface, and what can be done with it.
 import {
-  AmbientLight, BufferAttribute, BufferGeometry, Color, DirectionalLight, DoubleSide, LineBasicMaterial, LineSegments, Mesh,
-  MeshLambertMaterial, PerspectiveCamera, Points, PointsMaterial, Raycaster, Scene, Vector2, Vector3, WebGLRenderer,
+  AmbientLight, BufferAttribute, BufferGeometry, Color, DirectionalLight, LineBasicMaterial, LineSegments, PerspectiveCamera, Points, PointsMaterial, Raycaster, Scene, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import {OrbitControls} from "three/examples/jsm/controls/OrbitControls.js";
 import {angle_colour, css, group_colour, INSIDE, layer_colour, PLAIN} from "./colours.js";
 import {read_page} from "./data.js";
-import {along_of, angles_of, centroids_of, FACES, neighbours_of, shown_faces} from "./mesh.js";
+import {FaceMesh, GRID} from "./drawing.js";
+import {along_of, angles_of, centroids_of, Cutter, FACES, neighbours_of, shown_faces} from "./mesh.js";
 
 const data = read_page();
 const {info, V, T, F} = data;
@@ -22,7 +22,7 @@ const centroids = is_tets ? centroids_of(V, T) : null;
 const angles = is_tets ? angles_of(V, T) : null;
 let along = null;  // computed when it is first wanted
 
-// Of each face of a tet that is on the boundary, the number of its triangle.
+// Of each face of a tet that is on the boundary, the number of its triangle; else -1.
 const triangle_of = is_tets ? boundary_numbers() : null;
 function boundary_numbers() {
   const sorted = (a, b, c) => [a, b, c].sort((x, y) => x - y);
@@ -32,12 +32,12 @@ function boundary_numbers() {
     if (list) list.push(c, i);
     else by_edge.set(key, [c, i]);
   }
-  const numbers = new Map();
+  const numbers = new Int32Array(4 * tets).fill(-1);
   for (let face = 0; face < 4 * tets; ++face) {
     if (neighbours[face] >= 0) continue;
     const f = FACES[face & 3], t = 4 * (face >> 2), [a, b, c] = sorted(T[t + f[0]], T[t + f[1]], T[t + f[2]]);
     const list = by_edge.get(a * vertices + b) ?? [];
-    for (let i = 0; i < list.length; i += 2) if (list[i] === c) numbers.set(face, list[i + 1]);
+    for (let i = 0; i < list.length; i += 2) if (list[i] === c) numbers[face] = list[i + 1];
   }
   return numbers;
 }
@@ -99,8 +99,7 @@ if (data.lines) {
 // ---- the picture
 
 const canvas = element("scene");
-const renderer = new WebGLRenderer({canvas, antialias: true, preserveDrawingBuffer: true});
-renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+const renderer = new WebGLRenderer({canvas, antialias: false, preserveDrawingBuffer: true});  // smooth when it stands still
 const scene = new Scene();
 const dark = matchMedia("(prefers-color-scheme: dark)");
 const set_background = () => { scene.background = new Color(dark.matches ? 0x11151a : 0xffffff); draw(); };
@@ -113,10 +112,8 @@ scene.add(camera, new AmbientLight(0xffffff, 1.1));
 const controls = new OrbitControls(camera, canvas);
 controls.addEventListener("change", () => draw());
 
-const shown = new Mesh(new BufferGeometry(), new MeshLambertMaterial({vertexColors: true, side: DoubleSide,
-  polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1}));  // lines on faces stay visible
-scene.add(shown);
-let shown_elements = new Int32Array(0);  // of each triangle that is drawn: 4 * tet + face, or a face of the surface
+const outside = new FaceMesh(), inside = new FaceMesh();  // of the boundary; what a cut shows, or tets chosen one by one
+scene.add(outside.mesh, inside.mesh);
 const picked_outline = new LineSegments(new BufferGeometry(), new LineBasicMaterial({color: 0xff0066, depthTest: false}));
 picked_outline.renderOrder = 2;
 scene.add(picked_outline);
@@ -150,86 +147,97 @@ function update_places() {
   for (let v = 0; v < vertices; ++v) places[3 * v + thin_axis] += 3 * radius * state.apart * (along[v] - .5);
 }
 
+// Colours of faces, as numbers in a palette.
+const palette = [PLAIN, INSIDE, ...[1, 2, 3, 4].map(layer_colour), ...[0, 1, 2, 3, 4, 5, 6, 7].map(group_colour),
+  ...Array.from({length: 41}, (_, i) => angle_colour(i))];
+const of_layers = n => 1 + Math.max(1, Math.min(4, n)), of_group = n => 6 + ((n % 8) + 8) % 8, of_angle = x => 14 + Math.round(Math.min(40, x));
 function colour_of(face) {
-  if (!is_tets) return state.colour === "label" ? group_colour(data.labels[face]) : PLAIN;
-  const tet = face >> 2, triangle = neighbours[face] < 0 ? triangle_of.get(face) : undefined;
+  if (!is_tets) return state.colour === "label" ? of_group(data.labels[face]) : 0;
+  const tet = face >> 2, triangle = triangle_of[face];
   switch (state.colour) {
-    case "layers": return layer_colour(data.layers[tet]);
-    case "region": return group_colour(data.regions[tet]);
-    case "angle": return angle_colour(angles.least[tet]);
-    case "label": return triangle !== undefined ? group_colour(data.labels[triangle]) : INSIDE;
-    default: return triangle !== undefined ? PLAIN : INSIDE;
+    case "layers": return of_layers(data.layers[tet]);
+    case "region": return of_group(data.regions[tet]);
+    case "angle": return of_angle(angles.least[tet]);
+    case "label": return triangle >= 0 ? of_group(data.labels[triangle]) : 1;
+    default: return triangle >= 0 ? 0 : 1;
   }
 }
 
+const cut_limit = () => { const [low, high] = extent[state.axis]; return low + state.cut * (high - low) + 1e-6 * radius; };
 function kept_tets() {
-  const kept = new Uint8Array(tets), [low, high] = extent[state.axis], limit = low + state.cut * (high - low) + 1e-6 * radius;
+  const kept = new Uint8Array(tets), limit = cut_limit();
   for (let t = 0; t < tets; ++t) kept[t] = centroids[3 * t + state.axis] <= limit && angles.least[t] < state.worse ? 1 : 0;
   return kept;
 }
 
-const corner = new Int32Array(3);
-function corners_of(face) {
-  if (!is_tets) { for (let k = 0; k < 3; ++k) corner[k] = F[3 * face + k]; return corner; }
+function corners(face, out) {
+  if (!is_tets) { for (let k = 0; k < 3; ++k) out[k] = F[3 * face + k]; return; }
   const f = FACES[face & 3], t = 4 * (face >> 2);
-  for (let k = 0; k < 3; ++k) corner[k] = T[t + f[k]];
-  return corner;
+  for (let k = 0; k < 3; ++k) out[k] = T[t + f[k]];
+}
+function corners_of(face) {
+  const out = [0, 0, 0];
+  corners(face, out);
+  return out;
 }
 
+// Of tets that are chosen one by one.
 function faces_to_show() {
-  if (!is_tets) return Int32Array.from({length: triangles}, (_, i) => i);
-  let faces = shown_faces(kept_tets(), neighbours);
-  if (state.shrink > 0) {  // shrunken tets show all their sides
-    const own = new Set();
-    for (const face of faces) own.add(face >> 2);
-    faces = Int32Array.from([...own].flatMap(t => [4 * t, 4 * t + 1, 4 * t + 2, 4 * t + 3]));
-  }
-  return faces;
+  const faces = shown_faces(kept_tets(), neighbours);
+  if (state.shrink === 0) return faces;
+  const own = new Set();  // shrunken tets show all their sides
+  for (const face of faces) own.add(face >> 2);
+  return Int32Array.from([...own].flatMap(t => [4 * t, 4 * t + 1, 4 * t + 2, 4 * t + 3]));
 }
 
+function shrunken(face, v, P, at) {
+  const t = 4 * (face >> 2);
+  for (let k = 0; k < 3; ++k) {
+    const middle = (places[3 * T[t] + k] + places[3 * T[t + 1] + k] + places[3 * T[t + 2] + k] + places[3 * T[t + 3] + k]) / 4;
+    P[at + k] = places[3 * v + k] + state.shrink * (middle - places[3 * v + k]);
+  }
+}
+
+const cutters = [null, null, null];
+let outside_is = "";  // the state of which the boundary's faces are
 function rebuild() {
   update_places();
-  const faces = faces_to_show(), P = new Float32Array(9 * faces.length), N = new Float32Array(9 * faces.length), C = new Float32Array(9 * faces.length);
-  for (let i = 0; i < faces.length; ++i) {
-    const face = faces[i], [a, b, c] = corners_of(face), at = 9 * i;
-    for (let k = 0; k < 3; ++k) {
-      P[at + k] = places[3 * a + k];
-      P[at + 3 + k] = places[3 * b + k];
-      P[at + 6 + k] = places[3 * c + k];
-    }
-    if (state.shrink > 0 && is_tets) {
-      const t = 4 * (face >> 2);
-      for (let k = 0; k < 3; ++k) {
-        const middle = (places[3 * T[t] + k] + places[3 * T[t + 1] + k] + places[3 * T[t + 2] + k] + places[3 * T[t + 3] + k]) / 4;
-        for (let j = 0; j < 9; j += 3) P[at + j + k] += state.shrink * (middle - P[at + j + k]);
-      }
-    }
-    const ux = P[at + 3] - P[at], uy = P[at + 4] - P[at + 1], uz = P[at + 5] - P[at + 2];
-    const vx = P[at + 6] - P[at], vy = P[at + 7] - P[at + 1], vz = P[at + 8] - P[at + 2];
-    const x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx, length = Math.hypot(x, y, z) || 1;
-    const colour = colour_of(face);
-    for (let j = 0; j < 9; j += 3) {
-      N[at + j] = x / length; N[at + j + 1] = y / length; N[at + j + 2] = z / length;
-      C[at + j] = colour[0]; C[at + j + 1] = colour[1]; C[at + j + 2] = colour[2];
+  // Pulled apart, faces may be turned over; surfaces need not be closed.
+  const common = {corners, places, colour: colour_of, palette, closed: is_tets && state.apart === 0, shrunken: null};
+  const one_by_one = is_tets && (state.shrink > 0 || state.worse < 180);
+  if (one_by_one) {
+    outside.clear();
+    outside_is = "";
+    inside.set({...common, faces: faces_to_show(), shrunken: state.shrink > 0 ? shrunken : null});
+  } else {
+    const cutter = is_tets ? cutters[state.axis] ??= new Cutter(neighbours, centroids, state.axis) : null;
+    const now = `${state.colour} ${state.axis} ${state.apart}`;
+    if (outside_is !== now) outside.set({...common, faces: cutter ? cutter.boundary : Int32Array.from({length: triangles}, (_, i) => i)});
+    outside_is = now;
+    if (cutter) {
+      outside.count = cutter.outside(cut_limit());
+      outside.edge = state.cut < 1 ? cutter.outside(cut_limit() - 4 * radius / GRID) : outside.count;
+      inside.set({...common, faces: cutter.inside(cut_limit())});
     }
   }
-  shown.geometry.dispose();
-  shown.geometry = new BufferGeometry();
-  shown.geometry.setAttribute("position", new BufferAttribute(P, 3));
-  shown.geometry.setAttribute("normal", new BufferAttribute(N, 3));
-  shown.geometry.setAttribute("color", new BufferAttribute(C, 3));
-  shown_elements = faces;
   picked_outline.visible = false;
   for (const object of marked) object.visible = state.lines && state.apart === 0;
   legend();
   draw();
 }
 
-let wanted = false;
+// While it moves quickly, and when it has stood still for a moment as it should be: each pixel is the mean of four.
+let next_frame = 0, still_soon = 0;
+function render(moving) {
+  const ratio = moving ? Math.min(devicePixelRatio, outside.count + inside.count > 40000 ? 1 : 2) : 2;
+  if (renderer.getPixelRatio() !== ratio) renderer.setPixelRatio(ratio);
+  for (const part of [outside, inside]) part.prepare(camera.position, moving);
+  renderer.render(scene, camera);
+}
 function draw() {
-  if (wanted) return;
-  wanted = true;
-  requestAnimationFrame(() => { wanted = false; renderer.render(scene, camera); });
+  clearTimeout(still_soon);
+  still_soon = setTimeout(() => render(false), 250);
+  if (next_frame === 0) next_frame = requestAnimationFrame(() => { next_frame = 0; render(true); });
 }
 
 function resize() {
@@ -244,7 +252,10 @@ function resize() {
 
 // ---- what colours mean
 
+let legend_is = "";
 function legend() {
+  if (legend_is === state.colour) return;
+  legend_is = state.colour;
   const list = element("legend"), entries = [];
   const named = (names, n, word) => names?.[n] ? `${names[n]} (${n})` : `${word} ${n}`;
   const distinct = values => [...new Set(values)].sort((a, b) => a - b).slice(0, 12);
@@ -264,15 +275,15 @@ function legend() {
 
 function describe(face) {
   const place = v => `(${[0, 1, 2].map(k => (V[3 * v + k] + info.middle[k]).toPrecision(6)).join(", ")})`;
-  const own = [...corners_of(face)];
+  const own = corners_of(face);
   const lines = [];
   if (is_tets) {
-    const tet = face >> 2, triangle = triangle_of.get(face);
+    const tet = face >> 2, triangle = triangle_of[face];
     lines.push(`Tet ${tet}: vertices ${[0, 1, 2, 3].map(k => T[4 * tet + k]).join(", ")}`);
     lines.push(`smallest dihedral angle ${angles.least[tet].toPrecision(4)} degrees`);
     if (data.regions) lines.push(`region ${info.region_names?.[data.regions[tet]] ?? data.regions[tet]}`);
     if (data.layers) lines.push(`layers of the solid here: ${data.layers[tet]}`);
-    if (triangle !== undefined) {
+    if (triangle >= 0) {
       lines.push(`boundary triangle ${triangle}`);
       if (data.labels) lines.push(`label ${info.label_names?.[data.labels[triangle]] ?? data.labels[triangle]}`);
     }
@@ -285,7 +296,7 @@ function describe(face) {
 }
 
 function pick(face) {
-  const own = is_tets ? [0, 1, 2, 3].map(k => T[4 * (face >> 2) + k]) : [...corners_of(face)];
+  const own = is_tets ? [0, 1, 2, 3].map(k => T[4 * (face >> 2) + k]) : corners_of(face);
   const P = [];
   for (let i = 0; i < own.length; ++i)
     for (let j = i + 1; j < own.length; ++j)
@@ -302,8 +313,9 @@ const raycaster = new Raycaster();
 function pick_at(x, y) {
   const box = canvas.getBoundingClientRect();
   raycaster.setFromCamera(new Vector2(2 * (x - box.left) / box.width - 1, 1 - 2 * (y - box.top) / box.height), camera);
-  const hit = raycaster.intersectObject(shown)[0];
-  if (hit) pick(shown_elements[hit.faceIndex]);
+  for (const part of [outside, inside]) part.prepare(camera.position, false);
+  const hit = raycaster.intersectObjects([outside.mesh, inside.mesh])[0];
+  if (hit) pick((hit.object === outside.mesh ? outside : inside).face_of(hit.faceIndex));
 }
 let pressed = null;
 canvas.addEventListener("pointerdown", e => { pressed = [e.clientX, e.clientY]; });
@@ -363,9 +375,12 @@ set_background();
 resize();
 rebuild();
 // For tests, and for whoever wants to script the page.
-window.overtet = {state, pick, pick_at, rebuild, shown: () => shown_elements.length,
-  frame: () => {  // reading a pixel waits for the picture
-    renderer.render(scene, camera);
+window.overtet = {state, pick, pick_at, rebuild, shown: () => outside.count + inside.count,
+  frame: (moving = false) => {  // now, and none after it; reading a pixel waits for the picture
+    cancelAnimationFrame(next_frame);
+    clearTimeout(still_soon);
+    next_frame = 0;
+    render(moving);
     const gl = renderer.getContext();
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
   }};

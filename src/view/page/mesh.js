@@ -139,3 +139,69 @@ export function shown_faces(kept, neighbours) {
   each(f => { faces[count++] = f; });
   return faces;
 }
+
+// How many of the sorted numbers are at most x.
+export function upper_bound(sorted, x) {
+  let low = 0, high = sorted.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (sorted[middle] <= x) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}
+
+// Where a plane across an axis cuts the mesh, for any place of it: tets whose centroid is beyond it are left out. What is
+// computed once for an axis makes each place cost about as much as the faces that it shows.
+export class Cutter {
+  constructor(neighbours, centroids, axis) {
+    const tets = neighbours.length / 4;
+    this.neighbours = neighbours;
+    this.key = new Float32Array(tets);
+    for (let t = 0; t < tets; ++t) this.key[t] = centroids[3 * t + axis];
+    let low = Infinity, high = -Infinity;
+    for (const x of this.key) { low = Math.min(low, x); high = Math.max(high, x); }
+    this.low = low;
+    this.scale = high > low ? Cutter.SLABS / (high - low) : 0;
+    // Boundary faces, those of the first tets along the axis first.
+    let outer = 0;
+    for (let f = 0; f < neighbours.length; ++f) if (neighbours[f] < 0) ++outer;
+    const boundary = new Int32Array(outer);
+    outer = 0;
+    for (let f = 0; f < neighbours.length; ++f) if (neighbours[f] < 0) boundary[outer++] = f;
+    boundary.sort((f, g) => this.key[f >> 2] - this.key[g >> 2] || f - g);
+    this.boundary = boundary;
+    this.boundary_keys = Float32Array.from(boundary, f => this.key[f >> 2]);
+    // Inner faces, seen from the tet that comes first, in every slab that lies between its two tets.
+    const slabs = Cutter.SLABS, first = new Int32Array(slabs + 1);
+    const each = visit => {
+      for (let f = 0; f < neighbours.length; ++f) {
+        const other = neighbours[f];
+        if (other < 0 || !(this.key[f >> 2] < this.key[other])) continue;
+        for (let s = this.slab(this.key[f >> 2]), last = this.slab(this.key[other]); s <= last; ++s) visit(s, f);
+      }
+    };
+    each(s => { ++first[s + 1]; });
+    for (let s = 0; s < slabs; ++s) first[s + 1] += first[s];
+    const at = first.slice(0, slabs);
+    this.inner = new Int32Array(first[slabs]);
+    each((s, f) => { this.inner[at[s]++] = f; });
+    this.first = first;
+  }
+  static SLABS = 128;
+
+  slab(x) { return Math.max(0, Math.min(Cutter.SLABS - 1, Math.floor((x - this.low) * this.scale))); }
+
+  // How many of the boundary faces belong to kept tets.
+  outside(limit) { return upper_bound(this.boundary_keys, limit); }
+
+  // The faces between tets that are kept and those that are not.
+  inside(limit) {
+    const s = this.slab(limit), found = [];
+    for (let i = this.first[s]; i < this.first[s + 1]; ++i) {
+      const f = this.inner[i];
+      if (this.key[f >> 2] <= limit && this.key[this.neighbours[f]] > limit) found.push(f);
+    }
+    return Int32Array.from(found);
+  }
+}
