@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "kernels/core/tuning.h"
 #include "src/pipeline/flow_stages.h"
 #include "src/pipeline/patch_meshing.h"
 
@@ -88,8 +89,13 @@ class FlowRoute {
       // Not saved: the pull, which needs a good U0, could not go on from there.
       MeshingJob unsaved = job_;
       unsaved.save = nullptr;
+      // Where a hundredth of the faces has shrunk to nothing, TetGen may take minutes for quality tets
+      // (measured: 50 times longer), which are a luxury here; without them meshes are twice as large.
+      TetMeshOptions options;
+      options.quality =
+          measure_quality(forward.value().V, job_.surface.V, job_.surface.F).area_p01 >= kPrecise;
       std::optional<TetMesh> filled;
-      if (Outcome end = patch(unsaved, forward.value().V, hasty_tet_mesh(), filled)) return end;
+      if (Outcome end = patch(unsaved, forward.value().V, options, filled)) return end;
     }
     Result<ReverseFlowResult> returned = flow_back(job_, forward.value(), back);
     if (!returned) return outcome(returned.error(), "Reverse flow");

@@ -167,14 +167,7 @@ Status TetMeshOptions::validate() const {
   TetgenOptions tetgen;
   tetgen.quality = quality;
   tetgen.radius_edge = radius_edge;
-  tetgen.patience = patience;
   return tetgen.validate();
-}
-
-TetMeshOptions hasty_tet_mesh() {
-  TetMeshOptions hasty;
-  hasty.patience = 0.03;
-  return hasty;
 }
 
 Result<TetMeshResult> tet_mesh(const Surface& embedded, const TetMeshOptions& options,
@@ -184,14 +177,12 @@ Result<TetMeshResult> tet_mesh(const Surface& embedded, const TetMeshOptions& op
   TetgenOptions tetgen;
   tetgen.quality = options.quality;
   tetgen.radius_edge = options.radius_edge;
-  if (options.quality) tetgen.patience = options.patience;
   const Plc plc{embedded.V, embedded.F, {}, {}};
   TetMeshResult result;
   auto filled = tetrahedralize(plc, tetgen, context);
   if (!filled.ok() && filled.error().code == ErrorCode::unsolved && options.quality) {
     context.note(LogLevel::warning, "TetGen failed while refining for quality; trying again without that.");
     tetgen.quality = false;
-    tetgen.patience = 1;
     result.without_quality = true;
     filled = tetrahedralize(plc, tetgen, context);
   }

@@ -16,14 +16,9 @@ struct TetMeshOptions {
   double radius_edge = 2.0;  // of TetGen's quality tets; interior points only
   bool quality = true;
   bool pre_splits = true;
-  double patience = 1;  // with TetGen, for quality (src/cdt/tetgen.h); when it ends, without quality
 
   Status validate() const;
 };
-
-// With little patience for quality: where parts have become small TetGen takes minutes to get it, and who
-// takes most of these tets out again (src/pipeline/patch_meshing.h) needs none.
-TetMeshOptions hasty_tet_mesh();
 
 struct TetMeshResult {
   TetMesh mesh;
