@@ -1,25 +1,83 @@
 #include "src/cli/expression.h"
 
-#include <muParser.h>
+#include <dlfcn.h>
+#include <muParserDLL.h>
 
 #include <array>
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <string>
 
 namespace overtet {
 
 namespace {
 
-struct Formula {
-  mu::Parser parser;
-  std::array<double, 3> place{};
-  explicit Formula(const std::string& text) {
-    parser.SetExpr(text);
-    parser.DefineVar("x", &place[0]);
-    parser.DefineVar("y", &place[1]);
-    parser.DefineVar("z", &place[2]);
+// muParser's C functions, loaded when the first formula is read: with it comes the run-time library of
+// OpenMP, and most runs read none.
+struct MuParser {
+  MuParser() {
+    library = dlopen("libmuparser.so.2", RTLD_NOW | RTLD_LOCAL);
+    // Where the loader does not look: as it was found when this was built.
+    if (!library) library = dlopen(OVERTET_MUPARSER_FILE, RTLD_NOW | RTLD_LOCAL);
+    if (!library) return;
+    find("mupCreate", create);
+    find("mupRelease", release);
+    find("mupSetExpr", set_formula);
+    find("mupDefineVar", define_variable);
+    find("mupEval", evaluate);
+    find("mupError", has_failed);
+    find("mupGetErrorMsg", message);
   }
+  template <class Function>
+  void find(const char* name, Function*& function) {
+    function = reinterpret_cast<Function*>(dlsym(library, name));
+    complete = complete && function;
+  }
+
+  void* library = nullptr;
+  bool complete = true;  // every function was found
+  decltype(mupCreate)* create;
+  decltype(mupRelease)* release;
+  decltype(mupSetExpr)* set_formula;
+  decltype(mupDefineVar)* define_variable;
+  decltype(mupEval)* evaluate;
+  decltype(mupError)* has_failed;
+  decltype(mupGetErrorMsg)* message;
+};
+
+const MuParser& mu_parser() {
+  static const MuParser functions;
+  return functions;
+}
+
+// pre: mu_parser() is complete.
+class Formula {
+ public:
+  explicit Formula(const std::string& text) : handle_(mu_parser().create(muBASETYPE_FLOAT)) {
+    mu_parser().set_formula(handle_, text.c_str());
+    const char* const names[] = {"x", "y", "z"};
+    for (std::size_t k = 0; k < 3; ++k) mu_parser().define_variable(handle_, names[k], &place_[k]);
+  }
+  ~Formula() { mu_parser().release(handle_); }
+  Formula(const Formula&) = delete;
+  Formula& operator=(const Formula&) = delete;
+
+  double at(const Eigen::Vector3d& p) {
+    place_ = {p[0], p[1], p[2]};
+    return mu_parser().evaluate(handle_);
+  }
+  // What is wrong with it, once it was evaluated; empty: nothing.
+  std::string problem() const {
+    if (!mu_parser().has_failed(handle_)) return {};
+    std::string why = mu_parser().message(handle_);
+    while (why.ends_with('.') || why.ends_with('\n')) why.pop_back();
+    return why;
+  }
+
+ private:
+  muParserHandle_t handle_;
+  std::array<double, 3> place_{};
 };
 
 }  // namespace
@@ -38,21 +96,18 @@ Result<ScalarFunction> function_of(const std::string& formula) {
     if (!read) return read.error();
     text = std::move(read).value();
   }
-  try {
-    const auto f = std::make_shared<Formula>(text);
-    (void)f->parser.Eval();  // says what is wrong with it
-    return ScalarFunction([f](const Eigen::Vector3d& p) {
-      f->place = {p[0], p[1], p[2]};
-      return f->parser.Eval();
-    });
-  } catch (const mu::Parser::exception_type& e) {
-    std::string why = e.GetMsg();
-    while (why.ends_with('.') || why.ends_with('\n')) why.pop_back();
+  if (!mu_parser().library || !mu_parser().complete)
     return Error{
-        ErrorCode::usage,
-        "The formula '" + text + "' is wrong: " + why +
-            ". It may use x, y, z, numbers, + - * / ^, comparisons, and functions like sin and sqrt."};
-  }
+        ErrorCode::io,
+        "Formulas are read by muParser, and libmuparser.so.2 cannot be loaded; install libmuparser2v5."};
+  const auto f = std::make_shared<Formula>(text);
+  (void)f->at({0, 0, 0});
+  if (const std::string why = f->problem(); !why.empty())
+    return Error{ErrorCode::usage,
+                 "The formula '" + text + "' is wrong: " + why +
+                     ". It may use x, y, z, numbers, + - * / ^, comparisons, and functions like "
+                     "sin and sqrt."};
+  return ScalarFunction([f](const Eigen::Vector3d& p) { return f->at(p); });
 }
 
 }  // namespace overtet
