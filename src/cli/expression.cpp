@@ -17,10 +17,10 @@ namespace {
 // OpenMP, and most runs read none.
 struct MuParser {
   MuParser() {
-    library = dlopen("libmuparser.so.2", RTLD_NOW | RTLD_LOCAL);
+    module = dlopen("libmuparser.so.2", RTLD_NOW | RTLD_LOCAL);
     // Where the loader does not look: as it was found when this was built.
-    if (!library) library = dlopen(OVERTET_MUPARSER_FILE, RTLD_NOW | RTLD_LOCAL);
-    if (!library) return;
+    if (!module) module = dlopen(OVERTET_MUPARSER_FILE, RTLD_NOW | RTLD_LOCAL);
+    if (!module) return;
     find("mupCreate", create);
     find("mupRelease", release);
     find("mupSetExpr", set_formula);
@@ -31,11 +31,11 @@ struct MuParser {
   }
   template <class Function>
   void find(const char* name, Function*& function) {
-    function = reinterpret_cast<Function*>(dlsym(library, name));
+    function = reinterpret_cast<Function*>(dlsym(module, name));
     complete = complete && function;
   }
 
-  void* library = nullptr;
+  void* module = nullptr;
   bool complete = true;  // every function was found
   decltype(mupCreate)* create;
   decltype(mupRelease)* release;
@@ -96,7 +96,7 @@ Result<ScalarFunction> function_of(const std::string& formula) {
     if (!read) return read.error();
     text = std::move(read).value();
   }
-  if (!mu_parser().library || !mu_parser().complete)
+  if (!mu_parser().module || !mu_parser().complete)
     return Error{
         ErrorCode::io,
         "Formulas are read by muParser, and libmuparser.so.2 cannot be loaded; install libmuparser2v5."};
