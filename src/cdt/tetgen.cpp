@@ -32,8 +32,7 @@
 #include "src/cdt/tuning.h"
 #include "src/cdt/unsolved.h"
 #include "src/mesh/tet_complex.h"
-
-extern char** environ;
+#include "src/run/helper_program.h"
 
 namespace overtet {
 
@@ -77,26 +76,13 @@ class Child {
     char* argv[] = {name.data(), pid.data(), mem.data(), nullptr};
 
     posix_spawn_file_actions_t actions;
-    posix_spawnattr_t attributes;
     posix_spawn_file_actions_init(&actions);
-    posix_spawnattr_init(&attributes);
     posix_spawn_file_actions_adddup2(&actions, ends[1], 0);
     posix_spawn_file_actions_adddup2(&actions, ends[1], 1);
     posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", O_WRONLY, 0);
-    // A group of its own: Ctrl-C reaches the parent, and the parent decides.
-    sigset_t none, all;
-    sigemptyset(&none);
-    sigfillset(&all);
-    posix_spawnattr_setsigmask(&attributes, &none);
-    posix_spawnattr_setsigdefault(&attributes, &all);
-    posix_spawnattr_setpgroup(&attributes, 0);
-    posix_spawnattr_setflags(&attributes,
-                             POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
     pid_t pid_of_child = -1;
-    const int failed =
-        posix_spawn(&pid_of_child, program.value().c_str(), &actions, &attributes, argv, environ);
+    const int failed = start_helper(program.value(), argv, actions, pid_of_child);
     posix_spawn_file_actions_destroy(&actions);
-    posix_spawnattr_destroy(&attributes);
     close(ends[1]);
     if (failed != 0) {
       errno = failed;

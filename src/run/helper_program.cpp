@@ -1,6 +1,7 @@
 #include "src/run/helper_program.h"
 
 #include <dlfcn.h>
+#include <signal.h>
 #include <unistd.h>
 
 namespace overtet {
@@ -34,6 +35,23 @@ std::optional<std::string> helper_program(const std::string& name) {
         "/usr/libexec/overtet/" + name})
     if (can_run(path)) return path;
   return std::nullopt;
+}
+
+int start_helper(const std::string& path, char* const argv[], const posix_spawn_file_actions_t& actions,
+                 pid_t& id) {
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t none, all;
+  sigemptyset(&none);
+  sigfillset(&all);
+  posix_spawnattr_setsigmask(&attributes, &none);
+  posix_spawnattr_setsigdefault(&attributes, &all);
+  posix_spawnattr_setpgroup(&attributes, 0);
+  posix_spawnattr_setflags(&attributes,
+                           POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
+  const int failed = posix_spawn(&id, path.c_str(), &actions, &attributes, argv, environ);
+  posix_spawnattr_destroy(&attributes);
+  return failed;
 }
 
 }  // namespace overtet

@@ -22,8 +22,6 @@
 #include "src/view/scene.h"
 #include "src/view/tuning.h"
 
-extern char** environ;
-
 namespace overtet {
 
 namespace {
@@ -70,24 +68,12 @@ class Painter {
     std::string name = "overtet-picture", parent = std::to_string(getpid());
     char* argv[] = {name.data(), parent.data(), nullptr};
     posix_spawn_file_actions_t actions;
-    posix_spawnattr_t attributes;
     posix_spawn_file_actions_init(&actions);
-    posix_spawnattr_init(&attributes);
     posix_spawn_file_actions_adddup2(&actions, in, 0);
     posix_spawn_file_actions_adddup2(&actions, out, 1);
     posix_spawn_file_actions_adddup2(&actions, complaints, 2);
-    // A group of its own: Ctrl-C reaches the parent, and the parent decides.
-    sigset_t none, all;
-    sigemptyset(&none);
-    sigfillset(&all);
-    posix_spawnattr_setsigmask(&attributes, &none);
-    posix_spawnattr_setsigdefault(&attributes, &all);
-    posix_spawnattr_setpgroup(&attributes, 0);
-    posix_spawnattr_setflags(&attributes,
-                             POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
-    const int failed = posix_spawn(&id_, program.c_str(), &actions, &attributes, argv, environ);
+    const int failed = start_helper(program, argv, actions, id_);
     posix_spawn_file_actions_destroy(&actions);
-    posix_spawnattr_destroy(&attributes);
     if (failed != 0) id_ = -1;
     return failed == 0 ? success() : Status(system_failure(program.c_str(), failed));
   }
