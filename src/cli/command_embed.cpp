@@ -66,22 +66,13 @@ void finish(Report& report, const EmbedCommand& command, const CommonOptions& co
   }
 }
 
-Status check_names(const EmbedCommand& command) {
-  if (same_file(command.input, command.output) || same_file(command.input, command.report))
-    return Error{ErrorCode::usage,
-                 "The output or the report would overwrite the input; choose another name."};
-  if (same_file(command.output, command.report))
-    return Error{ErrorCode::usage,
-                 "The output and the report have the same name; choose another for one of them."};
-  return success();
-}
-
 }  // namespace
 
 int run(const EmbedCommand& command, const CommonOptions& common, Terminal& terminal) {
   const Result<SurfaceFormat> format = surface_format_of(command.output);
   if (!format) return fail(terminal, format.error());
-  if (Status s = check_names(command); !s) return fail(terminal, s.error());
+  if (Status s = check_names(command.input, command.output, command.report); !s)
+    return fail(terminal, s.error());
   OutputAndReport probes;
   if (Status s = probes.open(command.output, command.report); !s) return fail(terminal, s.error());
   StageTrail trail;

@@ -70,12 +70,8 @@ int run(const RepairCommand& command, const CommonOptions& common, Terminal& ter
     return run(mesh, common, terminal);
   }
   if (!format) return fail(terminal, format.error());
-  if (same_file(command.input, command.output) || same_file(command.input, command.report))
-    return fail(terminal, {ErrorCode::usage,
-                           "The output or the report would overwrite the input; choose another name."});
-  if (same_file(command.output, command.report))
-    return fail(terminal, {ErrorCode::usage,
-                           "The output and the report have the same name; choose another for one of them."});
+  if (Status s = check_names(command.input, command.output, command.report); !s)
+    return fail(terminal, s.error());
   OutputAndReport probes;
   if (Status s = probes.open(command.output, command.report); !s) return fail(terminal, s.error());
   StageTrail trail;

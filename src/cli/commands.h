@@ -132,6 +132,8 @@ Result<TetFormat> output_format(const std::string& path, const std::string& name
 
 // The same file under two names, or the same name.
 bool same_file(const std::string& a, const std::string& b);
+// No two of them are the same file. Errors: usage.
+Status check_names(const std::string& input, const std::string& output, const std::string& report);
 
 // Shows early that the output and the report (may be empty) can be written.
 struct OutputAndReport {

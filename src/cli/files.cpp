@@ -27,6 +27,16 @@ bool same_file(const std::string& a, const std::string& b) {
          x.st_dev == y.st_dev && x.st_ino == y.st_ino;
 }
 
+Status check_names(const std::string& input, const std::string& output, const std::string& report) {
+  if (same_file(input, output) || same_file(input, report))
+    return Error{ErrorCode::usage,
+                 "The output or the report would overwrite the input; choose another name."};
+  if (same_file(output, report))
+    return Error{ErrorCode::usage,
+                 "The output and the report have the same name; choose another for one of them."};
+  return success();
+}
+
 Status OutputAndReport::open(const std::string& output_path, const std::string& report_path) {
   if (Status s = output.open(output_path); !s) return s;
   return report_path.empty() ? success() : report.open(report_path);
