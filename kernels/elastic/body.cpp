@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "kernels/core/assertions.h"
+#include "kernels/core/tuning.h"
 #include "kernels/elastic/flat_time.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
@@ -136,6 +137,15 @@ double ElasticBody::curvature(const Tangents& tangents, const VertexMatrix& d) c
   });
 }
 
+double ElasticBody::rounding() const {
+  const double stiffness = 2 * law_.lame.mu + law_.lame.lambda, place = rest_.cwiseAbs().maxCoeff();
+  const double squares = sum(tets(), [&](std::int64_t t) {
+    const double slopes = shape_[t].gradient.squaredNorm();
+    return shape_[t].volume * shape_[t].volume * slopes * slopes;
+  });
+  return kRoundedLength * stiffness * place * std::sqrt(squares);
+}
+
 VertexMatrix ElasticBody::gathered(const Stresses& P, double& size) const {
   VertexMatrix out(rest_.rows(), 3);
   const double squares = sum(rest_.rows(), [&](std::int64_t v) {
@@ -156,7 +166,8 @@ VertexMatrix ElasticBody::gathered(const Stresses& P, double& size) const {
 
 void ElasticBody::assemble(std::initializer_list<Part> parts, const Eigen::VectorXd& diagonal,
                            SymmetricMatrix& A) const {
-  // A block's three columns: the diagonal block's 3, 2 and 1 entries, and below them three of every other one.
+  // A block's three columns: the diagonal block's 3, 2 and 1 entries, and below them three of every other
+  // one.
   const auto others = [&](std::int64_t n) { return 3 * (first_block_[n + 1] - first_block_[n] - 1); };
   const auto start = [&](std::int64_t n, int column) {
     return 9 * (first_block_[n] - n) + 6 * n + column * (others(n) + 3) - column * (column - 1) / 2;
@@ -249,7 +260,8 @@ double ElasticBody::least_ratio(const VertexMatrix& x) const {
         for (std::int64_t t = begin; t < end; ++t) {
           Matrix3d edges;
           for (int k = 0; k < 3; ++k) edges.col(k) = (x.row(T_(t, k + 1)) - x.row(T_(t, 0))).transpose();
-          least = std::min(least, edges.col(0).dot(edges.col(1).cross(edges.col(2))) / (6 * shape_[t].volume));
+          least =
+              std::min(least, edges.col(0).dot(edges.col(1).cross(edges.col(2))) / (6 * shape_[t].volume));
         }
         return least;
       },

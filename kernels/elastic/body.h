@@ -29,6 +29,7 @@ class ElasticBody {
 
   Index tets() const { return static_cast<Index>(T_.rows()); }
   Index rows() const { return 3 * free_; }
+  const Index* tet(Index t) const { return T_.data() + 4 * static_cast<std::ptrdiff_t>(t); }  // its corners
   const VertexMatrix& rest() const { return rest_; }
   const TetShape& shape(Index t) const { return shape_[static_cast<std::size_t>(t)]; }
 
@@ -43,19 +44,22 @@ class ElasticBody {
   void add_change(const Tangents& tangents, const VertexMatrix& d, double factor, Stresses& P) const;
   // d' K d.
   double curvature(const Tangents& tangents, const VertexMatrix& d) const;
+  // How long gathered() may be for nothing but the rounding of places as large as those at rest.
+  double rounding() const;
   // The derivative of the energy by the places: #V x 3. size: the length of all tets' parts of it, in which
   // nothing has cancelled.
   VertexMatrix gathered(const Stresses& P, double& size) const;
 
-  // A = sum of factor K(tangents) + diagonal (#V, at the three rows of each vertex). Its pattern is always the
-  // same; made where A is empty.
+  // A = sum of factor K(tangents) + diagonal (#V, at the three rows of each vertex). Its pattern is always
+  // the same; made where A is empty.
   struct Part {
     const Tangents* tangents = nullptr;
     double factor = 0;
   };
   void assemble(std::initializer_list<Part> parts, const Eigen::VectorXd& diagonal, SymmetricMatrix& A) const;
 
-  // For what part of the way d every tet stays positive, at most `most`; and the tet that allows no more, or -1.
+  // For what part of the way d every tet stays positive, at most `most`; and the tet that allows no more, or
+  // -1.
   struct Way {
     double part = 0;
     Index tet = -1;

@@ -29,7 +29,8 @@ double first_root(const Cubic& b, double begin, double end) {
 
 }  // namespace
 
-double first_flat_time(const Eigen::Matrix<double, 3, 4>& x, const Eigen::Matrix<double, 3, 4>& d, double most) {
+double first_flat_time(const Eigen::Matrix<double, 3, 4>& x, const Eigen::Matrix<double, 3, 4>& d,
+                       double most) {
   Eigen::Vector3d p[3], q[3];
   for (int k = 0; k < 3; ++k) {
     p[k] = x.col(k + 1) - x.col(0);
@@ -39,10 +40,9 @@ double first_flat_time(const Eigen::Matrix<double, 3, 4>& x, const Eigen::Matrix
     return a.dot(b.cross(c));
   };
   // Six volumes, between time 0 and `most`.
-  const Cubic volume{det(p[0], p[1], p[2]),
-                     (det(q[0], p[1], p[2]) + det(p[0], q[1], p[2]) + det(p[0], p[1], q[2])) / 3,
-                     (det(p[0], q[1], q[2]) + det(q[0], p[1], q[2]) + det(q[0], q[1], p[2])) / 3,
-                     det(q[0], q[1], q[2])};
+  const Cubic volume{
+      det(p[0], p[1], p[2]), (det(q[0], p[1], p[2]) + det(p[0], q[1], p[2]) + det(p[0], p[1], q[2])) / 3,
+      (det(p[0], q[1], q[2]) + det(q[0], p[1], q[2]) + det(q[0], q[1], p[2])) / 3, det(q[0], q[1], q[2])};
   return most * first_root(volume, 0, 1);
 }
 

@@ -66,8 +66,8 @@ Frame frame_of(const Matrix3d& F) {
   return f;
 }
 
-// Derivatives by the stretches: second derivatives, and for the plane without axis k the eigenvalues of the mode that
-// is symmetric and of the one that turns.
+// Derivatives by the stretches: second derivatives, and for the plane without axis k the eigenvalues of the
+// mode that is symmetric and of the one that turns.
 struct Curvatures {
   Matrix3d stretch;
   Vector3d shear, turn;

@@ -1,10 +1,12 @@
-// Elastic materials: energy density, stress, and its derivative, of a deformation gradient with positive determinant.
+// Elastic materials: energy density, stress, and its derivative, of a deformation gradient with positive
+// determinant.
 //
-// Given is G = F - I, the gradient of the displacement, so that nothing is lost where it is small. To every material
-// a barrier is added that is 0 while J = det F >= kBarrierVolume and infinite at J = 0: none of the three has one,
-// and without it the least energy may lie where tets are flipped.
+// Given is G = F - I, the gradient of the displacement, so that nothing is lost where it is small. To every
+// material a barrier is added that is 0 while J = det F >= kBarrierVolume and infinite at J = 0: none of the
+// three has one, and without it the least energy may lie where tets are flipped.
 //
-//   k (1 - J/J0)^2 (-log(J/J0)), J0 = kBarrierVolume, k = 2 mu + lambda;       the form is that of [Li et al. 2020]
+//   k (1 - J/J0)^2 (-log(J/J0)), J0 = kBarrierVolume, k = 2 mu + lambda;       the form is that of [Li et al.
+//   2020]
 #pragma once
 
 #include <Eigen/Core>
@@ -32,8 +34,8 @@ Eigen::Matrix3d piola_stress(const ElasticLaw& law, const Eigen::Matrix3d& G);
 // `exact`: the second derivative as it is; `definite`: its negative eigenvalues set to 0.
 enum class Tangent { exact, definite };
 
-// The second derivative of the energy density, in the frame of F = U diag(sigma) V' [Smith, de Goes, Kim 2019], with
-// U and V rotations. dF, turned into D = U' dF V, changes the stress by U T V' with
+// The second derivative of the energy density, in the frame of F = U diag(sigma) V' [Smith, de Goes, Kim
+// 2019], with U and V rotations. dF, turned into D = U' dF V, changes the stress by U T V' with
 //   T_ii = sum_j stretch_ij D_jj,    T_ij = same_k D_ij + cross_k D_ji    (i, j, k different).
 struct MaterialTangent {
   Eigen::Matrix3d U, V;

@@ -3,8 +3,8 @@
 
 namespace overtet {
 
-// The part of its rest volume below which a tet resists being flattened by more than its material says: far below
-// what the materials are good for, so that nothing changes where they are.
+// The part of its rest volume below which a tet resists being flattened by more than its material says: far
+// below what the materials are good for, so that nothing changes where they are.
 constexpr double kBarrierVolume = 0.05;
 
 }  // namespace overtet

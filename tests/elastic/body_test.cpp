@@ -1,4 +1,5 @@
-// Elastic bodies: assembled forces and matrices against finite differences, and the same on any number of threads.
+// Elastic bodies: assembled forces and matrices against finite differences, and the same on any number of
+// threads.
 #include "kernels/elastic/body.h"
 
 #include <gtest/gtest.h>
@@ -25,9 +26,7 @@ struct Sample {
     Index free = 0;
     for (Index v = 0; v < mesh.V.rows(); ++v) number.push_back(v % 7 == 3 ? -1 : free++);
   }
-  ElasticBody body(ElasticMaterial m) const {
-    return {mesh.V, mesh.T, {m, lame_of(1, 0.3)}, number};
-  }
+  ElasticBody body(ElasticMaterial m) const { return {mesh.V, mesh.T, {m, lame_of(1, 0.3)}, number}; }
 };
 
 TEST(Body, ForcesAndMatricesAreDerivatives) {
@@ -77,8 +76,10 @@ TEST(Body, ForcesAndMatricesAreDerivatives) {
     const Eigen::VectorXd out = A.selfadjointView<Eigen::Lower>() * in;
     for (Index v = 0; v < s.x.rows(); ++v)
       if (s.number[v] >= 0) {
-        EXPECT_LT((out.segment<3>(3 * s.number[v]) - (wanted.row(v) + diagonal[v] * kept.row(v)).transpose()).norm(),
-                  1e-10 * wanted.norm()) << v;
+        EXPECT_LT((out.segment<3>(3 * s.number[v]) - (wanted.row(v) + diagonal[v] * kept.row(v)).transpose())
+                      .norm(),
+                  1e-10 * wanted.norm())
+            << v;
       }
     // Again into the same matrix, only the values change.
     const int* rows = A.innerIndexPtr();

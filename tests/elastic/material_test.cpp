@@ -23,7 +23,9 @@ constexpr unsigned kSeed = 11;
 class Dice {
  public:
   double operator()() { return of_(random_); }
-  Matrix3d matrix(double size) { return Matrix3d::NullaryExpr([&] { return size * of_(random_); }); }
+  Matrix3d matrix(double size) {
+    return Matrix3d::NullaryExpr([&] { return size * of_(random_); });
+  }
   Matrix3d rotation() {
     return Eigen::AngleAxisd(3 * of_(random_), Vector3d(of_(random_), of_(random_), 1.1).normalized())
         .toRotationMatrix();
