@@ -104,6 +104,12 @@ struct ViewCommand {
   double apart = 0;
 };
 
+struct CompareCommand {
+  std::string input, output;
+  bool fused = false, json = false;
+  InputOptions clean;
+};
+
 struct FieldWords {
   std::vector<std::string> values, fluxes;  // WHERE=FORMULA
   std::string source;                       // a formula
@@ -131,6 +137,7 @@ int run(const PrepareCommand& command, const CommonOptions& common, Terminal& te
 int run(const VerifyCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const ConvertCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const ViewCommand& command, const CommonOptions& common, Terminal& terminal);
+int run(const CompareCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const SolveCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const BatchCommand& command, const CommonOptions& common, Terminal& terminal);
 

@@ -45,13 +45,10 @@ void add_fields(CLI::App& command, FieldWords& field) {
 }
 
 void add_distances(CLI::App& command, DistanceWords& distances) {
-  command
-      .add_option("--from", distances.from,
-                  "WHERE distances are measured from (needed); may be repeated")
+  command.add_option("--from", distances.from, "WHERE distances are measured from (needed); may be repeated")
       ->group(kDistances);
   command
-      .add_option("--smoothing", distances.smoothing,
-                  "The heat's time, in squares of the mean edge length")
+      .add_option("--smoothing", distances.smoothing, "The heat's time, in squares of the mean edge length")
       ->check(between(1e-6, 1e6))
       ->capture_default_str()
       ->group(kDistances);
