@@ -13,6 +13,8 @@
 //   verification.h  verify(), tet_quality()
 //   attributes.h    labels, regions, layers and what else goes with a mesh
 //   curves.h        intersection_curves()
+//   solve.h         solve_field(), Distances: fields on meshes
+//   fused.h         fused_mesh(): what others make, to compare with
 //   io.h            reading and writing
 //   view.h          write_page(), write_picture(): to look at
 //   report.h        what a run says about itself, as JSON
@@ -28,6 +30,7 @@
 #include "overtet/diagnosis.h"
 #include "overtet/elastic.h"
 #include "overtet/embed.h"
+#include "overtet/fused.h"
 #include "overtet/io.h"
 #include "overtet/meshing.h"
 #include "overtet/prepare.h"

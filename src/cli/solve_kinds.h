@@ -25,4 +25,7 @@ Result<SolveSummary> solve_for_field(const SolveCommand& command, const RunConte
 Result<SolveSummary> solve_for_distances(const SolveCommand& command, const RunContext& context,
                                          const RunContext& writing);
 
+Result<SolveSummary> solve_for_elastic(const SolveCommand& command, const RunContext& context,
+                                       const RunContext& writing);
+
 }  // namespace overtet
