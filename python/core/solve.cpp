@@ -85,8 +85,7 @@ py::dict solve_(const py::dict& mesh, const py::dict& options, const py::dict& r
   o.values = values_of(options["values"], functions);
   o.fluxes = values_of(options["fluxes"], functions);
   if (!options["source"].is_none()) o.source = functions.take(options["source"]);
-  Result<Field> solved =
-      call(run, [&](const RunContext& context) { return solve_field(tets, o, context); });
+  Result<Field> solved = call(run, [&](const RunContext& context) { return solve_field(tets, o, context); });
   functions.raise_what_was_raised();
   Field f = value_of(std::move(solved));
   return py::dict("nodes"_a = array_of(std::move(f.nodes)), "values"_a = array_of_values(std::move(f.values)),
@@ -98,8 +97,8 @@ std::shared_ptr<Distances> prepare_distances(const py::handle& V, const py::hand
   const TetMesh mesh = tets_of(V, T);
   DistanceOptions options;
   options.smoothing = smoothing;
-  return std::make_shared<Distances>(
-      value_of(call(run, [&](const RunContext& context) { return Distances::prepare(mesh, options, context); })));
+  return std::make_shared<Distances>(value_of(
+      call(run, [&](const RunContext& context) { return Distances::prepare(mesh, options, context); })));
 }
 
 py::array distances_from(const Distances& distances, const py::handle& given, const py::dict& run) {
