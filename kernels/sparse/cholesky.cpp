@@ -113,7 +113,7 @@ struct SparseCholesky::Impl {
     common.method[0].ordering = options.ordering == Ordering::metis     ? CHOLMOD_METIS
                                 : options.ordering == Ordering::natural ? CHOLMOD_NATURAL
                                                                         : CHOLMOD_AMD;
-    common.postorder = options.ordering != Ordering::natural;
+    common.postorder = 1;
     common.supernodal = options.method == Method::simplicial   ? CHOLMOD_SIMPLICIAL
                         : options.method == Method::supernodal ? CHOLMOD_SUPERNODAL
                                                                : CHOLMOD_AUTO;
@@ -217,6 +217,13 @@ bool SparseCholesky::solve(const VertexMatrix& B, VertexMatrix& X) const {
 }
 
 double SparseCholesky::factor_entries() const { return impl_->common.lnz; }
+
+std::vector<int> SparseCholesky::order() const {
+  const Impl& m = *impl_;
+  if (m.rows <= 0) return {};
+  const int* const first = static_cast<const int*>(m.L->Perm);
+  return {first, first + m.rows};
+}
 
 void multiply(const SymmetricMatrix& A, const VertexMatrix& x, VertexMatrix& y) {
   y.setZero(A.rows(), 3);
