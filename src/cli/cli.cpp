@@ -14,6 +14,7 @@
 #include "src/cli/memory.h"
 #include "src/cli/shell_help.h"
 #include "src/cli/signals.h"
+#include "src/cli/solve_options.h"
 #include "src/cli/tuning.h"
 
 namespace overtet {
@@ -389,41 +390,6 @@ CLI::App* add_view(CLI::App& app, ViewCommand& view) {
       "What overlaps is seen with \"Pull layers apart\", or --apart. Surfaces are drawn with the curves in "
       "which they cross themselves, and their hinges. Pictures are drawn by overtet-picture (package "
       "overtet-pictures) without a display.");
-  return command;
-}
-
-CLI::App* add_solve(CLI::App& app, SolveCommand& solve) {
-  CLI::App* command = app.add_subcommand(
-      "solve", "Compute a field on a tet mesh: what its layers have in one place is kept apart");
-  command
-      ->add_option("EQUATION", solve.equation,
-                   "laplace, poisson (-Laplace(u) = f), biharmonic (Laplace(Laplace(u)) = f), or geodesic "
-                   "(distances inside)")
-      ->required()
-      ->check(CLI::IsMember({"laplace", "poisson", "biharmonic", "geodesic"}));
-  command->add_option("MESH", solve.input, "Tet mesh: .mesh, .msh, .vtu, .node, .inp or .vtk")->required();
-  command->add_option("--output,-o", solve.output, "The mesh with the field: .vtu or .vtk")->required();
-  command->add_option(
-      "--value", solve.values,
-      "WHERE=FORMULA: the field there; may be repeated, and later ones count where they meet");
-  command->add_option(
-      "--flux", solve.fluxes,
-      "WHERE=FORMULA: the derivative along the outer normal (0 elsewhere); may be repeated, and adds up");
-  command->add_option("--source", solve.source, "f, a formula (default: 0)");
-  command->add_option("--order", solve.order, "Of the elements: 1 or, with nodes in the middle of edges, 2")
-      ->check(CLI::IsMember({1, 2}))
-      ->capture_default_str();
-  command->add_option("--from", solve.from, "WHERE distances are measured from; may be repeated");
-  command
-      ->add_option("--smoothing", solve.smoothing,
-                   "Of distances: the heat's time, in squares of the mean edge length")
-      ->check(between(1e-6, 1e6))
-      ->capture_default_str();
-  command->add_flag("--json", solve.json, "Print JSON");
-  command->footer(
-      "WHERE: all (of the boundary), label:NUMBER, label:NAME, vertices:N,N,... (counted from 0) or "
-      "vertices:@FILE. FORMULA: of x, y and z "
-      "(muParser), or @FILE. Values must be given somewhere in every component.");
   return command;
 }
 

@@ -104,15 +104,22 @@ struct ViewCommand {
   double apart = 0;
 };
 
-// More than 12 members: what the user chose, option by option.
-struct SolveCommand {
-  std::string equation, input, output;
-  int order = 1;
+struct FieldWords {
   std::vector<std::string> values, fluxes;  // WHERE=FORMULA
   std::string source;                       // a formula
-  std::vector<std::string> from;            // of distances: WHERE
+  int order = 1;
+};
+
+struct DistanceWords {
+  std::vector<std::string> from;  // WHERE
   double smoothing = 1;
+};
+
+struct SolveCommand {
+  std::string kind, input, output;
   bool json = false;
+  FieldWords field;
+  DistanceWords distances;
 };
 
 // Each returns the exit code.

@@ -218,8 +218,12 @@ std::string zsh_completion(const std::vector<CommandHelp>& commands) {
         continue;
       }
       for (const std::string& name : o.names)
-        text += " \\\n        '" + name + (o.takes_value ? (name.starts_with("--") ? "=" : "+") : "") + "[" +
-                zsh(o.text) + "]" + (o.takes_value ? ":" + zsh(value_name(o)) + ":" + words : "") + "'";
+        text.append(" \\\n        '")
+            .append(name)
+            .append(o.takes_value ? (name.starts_with("--") ? "=" : "+") : "")
+            .append("[" + zsh(o.text) + "]")
+            .append(o.takes_value ? ":" + zsh(value_name(o)) + ":" + words : "")
+            .append("'");
     }
     text += " ;;\n";
   }
