@@ -14,6 +14,7 @@
 //   attributes.h    labels, regions, layers and what else goes with a mesh
 //   curves.h        intersection_curves()
 //   io.h            reading and writing
+//   weights.h       skinning_weights(), skinned()
 //   view.h          write_page(), write_picture(): to look at
 //   report.h        what a run says about itself, as JSON
 //   version.h
@@ -39,3 +40,4 @@
 #include "overtet/verification.h"
 #include "overtet/version.h"
 #include "overtet/view.h"
+#include "overtet/weights.h"

@@ -133,7 +133,7 @@ Result<SkinnedMesh> skinned(const TetMesh& mesh, const Eigen::MatrixXd& weights,
 // JSON, schema in docs/handles.md, or TGF (.tgf): points as lines "number x y z", a line "#", then edges
 // "number number bone pseudo cage", counted from 1, where of the last three (0 or 1, each may be left out)
 // pseudo edges are passed over. Points of no bone are point handles, named point_N; bones come after them,
-// named bone_N by their line's number, children of the bone that ends where they begin. Errors: bad_input
+// named bone_N in their order (from 1), children of the bone that ends where they begin. Errors: bad_input
 // (the message names the line or the entry), io.
 Result<Handles> read_handles(const std::string& path);
 
