@@ -20,7 +20,7 @@ bool contains(const Barycentric& b) { return *std::min_element(b.begin(), b.end(
 unsigned corners_of(const Barycentric& b) {
   unsigned bits = 0;
   for (unsigned k = 0; k < 4; ++k)
-    if (b[k] > kInTet) bits |= 1u << k;
+    if (b[k] > kHeldCorner) bits |= 1u << k;
   return bits;
 }
 

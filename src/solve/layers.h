@@ -14,7 +14,8 @@ namespace overtet::solve_detail {
 
 using Barycentric = std::array<double, 4>;
 
-// What of a tet belongs to a trace: a corner counts where its barycentric coordinate is not 0 (the bits).
+// What of a tet belongs to a trace: a corner counts (its bit) where its barycentric coordinate is not nearly
+// 0.
 struct Crossed {
   Index tet = 0;
   unsigned corners = 0;

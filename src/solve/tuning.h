@@ -20,5 +20,8 @@ constexpr double kFault = 1e-10;
 // How far a point may be outside a tet, in barycentric coordinates, and count as inside: roundings of the
 // coordinates, of tets that are not too flat.
 constexpr double kInTet = 1e-9;
+// Barycentric coordinate from which on a corner is held by what goes through its tet: more than kInTet can
+// make of a tet that is only touched.
+constexpr double kHeldCorner = 1e-6;
 
 }  // namespace overtet
