@@ -121,11 +121,18 @@ struct DistanceWords {
   double smoothing = 1;
 };
 
+struct SkinningWords {
+  std::string handles;  // file
+  bool cut_bones = false;
+  std::string weights, pose;  // files
+};
+
 struct SolveCommand {
   std::string kind, input, output;
   bool json = false;
   FieldWords field;
   DistanceWords distances;
+  SkinningWords skinning;
 };
 
 // Each returns the exit code.

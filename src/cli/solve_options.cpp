@@ -18,10 +18,11 @@ struct Kind {
 };
 constexpr const char* kFields = "Of laplace, poisson and biharmonic";
 constexpr const char* kDistances = "Of geodesic";
-const Kind kKinds[] = {{"laplace", kFields, solve_for_field},
-                       {"poisson", kFields, solve_for_field},
-                       {"biharmonic", kFields, solve_for_field},
-                       {"geodesic", kDistances, solve_for_distances}};
+constexpr const char* kSkinning = "Of weights and skin";
+const Kind kKinds[] = {
+    {"laplace", kFields, solve_for_field},     {"poisson", kFields, solve_for_field},
+    {"biharmonic", kFields, solve_for_field},  {"geodesic", kDistances, solve_for_distances},
+    {"weights", kSkinning, solve_for_weights}, {"skin", kSkinning, solve_for_skin}};
 
 const Kind& kind_named(const std::string& name) {
   return *std::find_if(std::begin(kKinds), std::end(kKinds), [&](const Kind& k) { return k.name == name; });
@@ -54,6 +55,35 @@ void add_distances(CLI::App& command, DistanceWords& distances) {
       ->group(kDistances);
 }
 
+void add_skinning(CLI::App& command, SkinningWords& skinning) {
+  command
+      .add_option("--handles", skinning.handles,
+                  "File of the points and bones (needed): JSON (docs/handles.md) or TGF (.tgf)")
+      ->group(kSkinning);
+  command
+      .add_flag("--cut-bones", skinning.cut_bones,
+                "Of weights: bones that leave the solid are cut off there (default: an error)")
+      ->group(kSkinning);
+  command
+      .add_option("--weights", skinning.weights,
+                  "Of skin (needed): the weights, a .vtu or .csv file from solve weights")
+      ->group(kSkinning);
+  command.add_option("--pose", skinning.pose, "Of skin (needed): JSON, the motion of each handle that moves")
+      ->group(kSkinning);
+}
+
+void check_skinning(const std::string& kind, const SkinningWords& words) {
+  if (words.handles.empty()) throw CLI::ValidationError("Handles are needed: --handles FILE");
+  if (kind == "weights") {
+    if (!words.weights.empty()) throw CLI::ValidationError("--weights is no option of weights");
+    if (!words.pose.empty()) throw CLI::ValidationError("--pose is no option of weights");
+    return;
+  }
+  if (words.cut_bones) throw CLI::ValidationError("--cut-bones is no option of skin");
+  if (words.weights.empty()) throw CLI::ValidationError("Weights are needed: --weights FILE");
+  if (words.pose.empty()) throw CLI::ValidationError("A pose is needed: --pose FILE");
+}
+
 // What another kind has options for is refused.
 void check_groups(const CLI::App& command, const SolveCommand& solve) {
   const Kind& kind = kind_named(solve.kind);
@@ -63,6 +93,7 @@ void check_groups(const CLI::App& command, const SolveCommand& solve) {
         throw CLI::ValidationError(option->get_name() + " is no option of " + solve.kind);
   if (std::string_view(kind.group) == kDistances && solve.distances.from.empty())
     throw CLI::ValidationError("Distances need a source: --from WHERE");
+  if (std::string_view(kind.group) == kSkinning) check_skinning(solve.kind, solve.skinning);
 }
 
 }  // namespace
@@ -74,15 +105,20 @@ CLI::App* add_solve(CLI::App& app, SolveCommand& solve) {
   for (const Kind& kind : kKinds) kinds.emplace_back(kind.name);
   command
       ->add_option("KIND", solve.kind,
-                   "laplace, poisson (-Laplace(u) = f), biharmonic (Laplace(Laplace(u)) = f), or geodesic "
-                   "(distances inside)")
+                   "laplace, poisson (-Laplace(u) = f), biharmonic (Laplace(Laplace(u)) = f), geodesic "
+                   "(distances inside), weights (for skinning, of handles) or skin (the mesh in a pose)")
       ->required()
       ->check(CLI::IsMember(kinds));
   command->add_option("MESH", solve.input, "Tet mesh: .mesh, .msh, .vtu, .node, .inp or .vtk")->required();
-  command->add_option("--output,-o", solve.output, "The mesh with the field: .vtu or .vtk")->required();
+  command
+      ->add_option("--output,-o", solve.output,
+                   "The mesh with the field: .vtu or .vtk; of weights also .glb (the boundary with a "
+                   "skeleton) or .csv")
+      ->required();
   command->add_flag("--json", solve.json, "Print JSON");
   add_fields(*command, solve.field);
   add_distances(*command, solve.distances);
+  add_skinning(*command, solve.skinning);
   command->callback([command, &solve] { check_groups(*command, solve); });
   command->footer(
       "WHERE: all (of the boundary), label:NUMBER, label:NAME, vertices:N,N,... (counted from 0) or "
