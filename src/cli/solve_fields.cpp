@@ -23,8 +23,11 @@ Result<Solution> field_of(const SolveCommand& c, const LabelledTetMesh& mesh, co
   FieldOptions o;
   o.equation = c.kind == "poisson"      ? FieldEquation::poisson
                : c.kind == "biharmonic" ? FieldEquation::biharmonic
-                                            : FieldEquation::laplace;
+                                        : FieldEquation::laplace;
   o.order = c.field.order;
+  o.solver = c.field.solver == "direct"      ? LinearSolver::direct
+             : c.field.solver == "iterative" ? LinearSolver::iterative
+                                             : LinearSolver::automatic;
   Result<std::vector<BoundaryValue>> values = conditions_in(c.field.values, mesh),
                                      fluxes = conditions_in(c.field.fluxes, mesh);
   if (!values) return values.error();
@@ -42,6 +45,8 @@ Result<Solution> field_of(const SolveCommand& c, const LabelledTetMesh& mesh, co
   return Solution{"u",
                   std::move(f.values),
                   {{"energy", f.energy},
+                   {"solver", f.solver == LinearSolver::iterative ? "iterative" : "direct"},
+                   {"iterations", f.iterations},
                    {"residual", f.residual},
                    {"factor_entries", f.factor_entries},
                    {"seconds_assembly", f.seconds_assembly},
@@ -78,7 +83,8 @@ Result<SolveSummary> solve_and_write(Solver solver, const SolveCommand& c, const
   Result<Solution> solved = solver(c, mesh, context);
   if (!solved) return solved.error();
   const Eigen::VectorXd& u = solved.value().values;
-  put_vertex_data(mesh.attributes, solved.value().name, 1, std::vector<double>(u.data(), u.data() + u.size()));
+  put_vertex_data(mesh.attributes, solved.value().name, 1,
+                  std::vector<double>(u.data(), u.data() + u.size()));
   TetWriteOptions options;
   options.format = format.value();
   options.order = c.field.order;

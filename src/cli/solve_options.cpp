@@ -42,16 +42,19 @@ void add_fields(CLI::App& command, FieldWords& field) {
       ->check(CLI::IsMember({1, 2}))
       ->capture_default_str()
       ->group(kFields);
+  command
+      .add_option("--solver", field.solver,
+                  "automatic, direct (a Cholesky factor) or iterative (conjugate gradients with multigrid)")
+      ->check(CLI::IsMember({"automatic", "direct", "iterative"}))
+      ->capture_default_str()
+      ->group(kFields);
 }
 
 void add_distances(CLI::App& command, DistanceWords& distances) {
-  command
-      .add_option("--from", distances.from,
-                  "WHERE distances are measured from (needed); may be repeated")
+  command.add_option("--from", distances.from, "WHERE distances are measured from (needed); may be repeated")
       ->group(kDistances);
   command
-      .add_option("--smoothing", distances.smoothing,
-                  "The heat's time, in squares of the mean edge length")
+      .add_option("--smoothing", distances.smoothing, "The heat's time, in squares of the mean edge length")
       ->check(between(1e-6, 1e6))
       ->capture_default_str()
       ->group(kDistances);
