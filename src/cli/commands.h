@@ -114,6 +114,7 @@ struct FieldWords {
   std::vector<std::string> values, fluxes;  // WHERE=FORMULA
   std::string source;                       // a formula
   int order = 1;
+  std::string solver = "automatic";
 };
 
 struct DistanceWords {

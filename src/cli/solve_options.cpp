@@ -43,6 +43,12 @@ void add_fields(CLI::App& command, FieldWords& field) {
       ->check(CLI::IsMember({1, 2}))
       ->capture_default_str()
       ->group(kFields);
+  command
+      .add_option("--solver", field.solver,
+                  "automatic, direct (a Cholesky factor) or iterative (conjugate gradients with multigrid)")
+      ->check(CLI::IsMember({"automatic", "direct", "iterative"}))
+      ->capture_default_str()
+      ->group(kFields);
 }
 
 void add_distances(CLI::App& command, DistanceWords& distances) {

@@ -1,7 +1,12 @@
 // What can be chosen in this room, with units and reasons.
 #pragma once
 
+#include <cstddef>
+
 namespace overtet {
+
+// Unknowns of a field from which on multigrid solves faster than a factor (perf/README.md).
+constexpr std::ptrdiff_t kMultigridUnknowns = 500;
 
 // Interior point method: the share of the way to the border that a step goes, as it must not arrive there;
 // most steps (20 to 40 are usual); and the gaps, parts of the energy, at which the active set method has a
