@@ -29,6 +29,7 @@
 #include "overtet/cleanup.h"
 #include "overtet/curves.h"
 #include "overtet/diagnosis.h"
+#include "overtet/elastic.h"
 #include "overtet/embed.h"
 #include "overtet/fused.h"
 #include "overtet/io.h"

@@ -128,12 +128,22 @@ struct SkinningWords {
   std::string weights, pose;  // files
 };
 
+// More than 12 members: what the user chose, option by option.
+struct ElasticWords {
+  std::string material = "neo-hookean", gravity, damping, rest, method, integrator = "euler";
+  double young = 1, poisson = 0.3, density = 1, step = 0.01, tolerance = 1e-8;
+  int frames = 1, iterations = 200;
+  bool dynamic = false;
+  std::vector<std::string> fixed, pulled, tractions,
+      forces;  // WHERE, the others WHERE=FORMULA;FORMULA;FORMULA
+};
 struct SolveCommand {
   std::string kind, input, output;
   bool json = false;
   FieldWords field;
   DistanceWords distances;
   SkinningWords skinning;
+  ElasticWords elastic;
 };
 
 // Each returns the exit code.

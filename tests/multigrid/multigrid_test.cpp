@@ -1,5 +1,5 @@
-// Multigrid beside the Cholesky factor: the same solutions, whatever the mesh, and the same bytes on any number
-// of threads.
+// Multigrid beside the Cholesky factor: the same solutions, whatever the mesh, and the same bytes on any
+// number of threads.
 #include "kernels/multigrid/multigrid.h"
 
 #include <gtest/gtest.h>
@@ -61,7 +61,8 @@ TEST(Multigrid, SolvesWhatAFactorSolves) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     for (const int one_in : {3, 30, 1000})
-      expect_same(system_on(test::grid_tets(4 + 3 * static_cast<int>(seed), 0.2, seed), one_in, seed), "grid");
+      expect_same(system_on(test::grid_tets(4 + 3 * static_cast<int>(seed), 0.2, seed), one_in, seed),
+                  "grid");
   }
   expect_same(system_on(test::bent_grid(6, 400, 0.1, 1), 50, 1), "overlapping");
 }
@@ -185,7 +186,8 @@ TEST(Rows, AreAsEigenMakesThem) {
   EXPECT_LT((dense(product(A, P)) - dense(A) * dense(P)).cwiseAbs().maxCoeff(), 1e-13);
   // Long rows, which make the table of sums grow.
   const RowMatrix squared = product(A, A);
-  EXPECT_LT((dense(product(squared, squared)) - dense(squared) * dense(squared)).cwiseAbs().maxCoeff(), 1e-11);
+  EXPECT_LT((dense(product(squared, squared)) - dense(squared) * dense(squared)).cwiseAbs().maxCoeff(),
+            1e-11);
 }
 
 // A constant far from what is given stays one.
@@ -193,7 +195,8 @@ TEST(Rows, ProlongationsKeepConstants) {
   const TetMesh m = test::grid_tets(8, 0.2, 6);
   const RowMatrix A = both_triangles(TetElements(m.V, m.T, 1).stiffness());
   const RowMatrix P = smoothed_prolongation(A, aggregates_of(A, 0.02), 0.02);
-  EXPECT_LT((P * Eigen::VectorXd::Ones(P.cols()) - Eigen::VectorXd::Ones(P.rows())).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_LT((P * Eigen::VectorXd::Ones(P.cols()) - Eigen::VectorXd::Ones(P.rows())).cwiseAbs().maxCoeff(),
+            1e-12);
 }
 
 }  // namespace
