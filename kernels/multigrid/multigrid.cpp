@@ -18,8 +18,6 @@ namespace multigrid_detail {
 
 using Vector = Eigen::VectorXd;
 
-constexpr std::int64_t kRowGrain = 4 * kMediumGrain;
-
 // (A x)_i
 double row_times(const RowMatrix& A, std::int64_t i, const double* x) {
   const int* const start = A.outerIndexPtr();
@@ -32,7 +30,7 @@ double row_times(const RowMatrix& A, std::int64_t i, const double* x) {
 
 template <class F>
 void each_row(std::int64_t rows, F&& f) {
-  parallel_for(rows, kRowGrain, [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(rows, kLightGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) f(i);
   });
 }
@@ -41,7 +39,7 @@ void each_row(std::int64_t rows, F&& f) {
 template <class F>
 double sum_of(std::int64_t rows, F&& f) {
   return parallel_reduce(
-      rows, kRowGrain, 0.0,
+      rows, kLightGrain, 0.0,
       [&](std::int64_t begin, std::int64_t end) {
         double sum = 0;
         for (std::int64_t i = begin; i < end; ++i) sum += f(i);

@@ -6,10 +6,6 @@ namespace overtet {
 // Two unknowns are strongly coupled from this share of the mean of their diagonal entries on.
 constexpr double kStrongCoupling = 0.02;
 
-// Of the step that smooths prolongations, where the largest eigenvalue is at most 1: 4/3 damps the upper part
-// of the spectrum best [Vanek, Mandel, Brezina 1996].
-constexpr double kProlongationDamping = 4.0 / 3;
-
 // Products with the matrix that a smoother makes before, and after, it goes to the coarser level.
 constexpr int kSmootherDegree = 2;
 

@@ -69,8 +69,8 @@ class RowSums {
   }
   void grow() {
     std::vector<Slot> old = std::move(slot_);
-    slot_.assign(old.empty() ? kFirst : 2 * old.size(), Slot{});
-    shift_ = old.empty() ? 32 - kFirstBits : shift_ - 1;
+    slot_.assign(old.empty() ? 128 : 2 * old.size(), Slot{});
+    shift_ = old.empty() ? 32 - 7 : shift_ - 1;
     for (const Slot& s : old) {
       if (s.column < 0) continue;
       std::size_t at = place(s.column);
@@ -79,11 +79,9 @@ class RowSums {
     }
   }
 
-  static constexpr int kFirstBits = 7;
-  static constexpr std::size_t kFirst = std::size_t{1} << kFirstBits;
   std::vector<Slot> slot_;
   std::vector<Index> columns_;
-  int shift_ = 0;
+  int shift_ = 0;  // 32 - the logarithm of how many slots there are
 };
 
 }  // namespace overtet
