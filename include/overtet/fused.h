@@ -23,7 +23,8 @@ struct FusedOptions {
 // More than one surface vertex may lie in a place: the mesh has one there, the smallest of them.
 struct FusedMesh {
   // Attributes: the boundary's triangles with the labels of the faces that they are parts of; input_face;
-  // input_vertex (-1: not one of the surface's, or moved by the quality pass); regions, which are components; layers, the winding number.
+  // input_vertex (-1: not one of the surface's, or moved by the quality pass); regions, which are components;
+  // layers, the winding number.
   LabelledTetMesh mesh;
   Index cut_faces = 0;       // of the surface's, cut where others cross them
   Index inner_vertices = 0;  // of the surface's, which lie inside this mesh

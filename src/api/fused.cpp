@@ -97,7 +97,8 @@ void describe(const Surface& surface, const SurfaceAttributes& given, FusedCells
     told.input_face.push_back(given.input_face.empty() ? source : given.input_face[source]);
   }
   for (const Index source : cells.input_vertex)
-    told.input_vertex.push_back(source < 0 || given.input_vertex.empty() ? source : given.input_vertex[source]);
+    told.input_vertex.push_back(source < 0 || given.input_vertex.empty() ? source
+                                                                         : given.input_vertex[source]);
   out.mesh.mesh = std::move(cells.mesh);
   out.components = number_components(out.mesh.mesh, told.regions.of);
 }
@@ -118,7 +119,8 @@ Result<FusedMesh> fuse(const Surface& surface, const SurfaceAttributes& attribut
   Result<FusedCells> cells = fuse_cells(boxed, pairs, context);
   if (!cells) return cells.error();
   FusedMesh out;
-  for (auto v = static_cast<std::size_t>(cells.value().mesh.surface_vertices); v < cells.value().input_vertex.size(); ++v)
+  for (auto v = static_cast<std::size_t>(cells.value().mesh.surface_vertices);
+       v < cells.value().input_vertex.size(); ++v)
     out.inner_vertices += cells.value().input_vertex[v] >= 0;
   if (Status s = improve_inside(cells.value(), options.improve_degrees, context); !s) return s.error();
   out.mesh.attributes.layers = layers_of(cells.value().mesh, boxed);
@@ -147,7 +149,8 @@ Status FusedOptions::validate() const {
 Result<FusedMesh> fused_mesh(const Surface& surface, const SurfaceAttributes& attributes,
                              const FusedOptions& options, const RunContext& outer) {
   if (Status valid = options.validate(); !valid) return valid.error();
-  return guarded(outer, [&](const RunContext& context) { return fuse(surface, attributes, options, context); });
+  return guarded(outer,
+                 [&](const RunContext& context) { return fuse(surface, attributes, options, context); });
 }
 
 }  // namespace overtet

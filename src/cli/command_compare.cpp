@@ -24,7 +24,8 @@ Result<FusedMesh> fuse_and_write(const CompareCommand& command, TetFormat format
   TetWriteOptions options;
   options.format = format;
   const LabelledTetMesh& mesh = made.value().mesh;
-  if (Status s = write_tets(command.output, mesh.mesh, mesh.attributes, options, writing); !s) return s.error();
+  if (Status s = write_tets(command.output, mesh.mesh, mesh.attributes, options, writing); !s)
+    return s.error();
   return made;
 }
 
@@ -41,11 +42,12 @@ nlohmann::ordered_json figures(const FusedMesh& m) {
 
 std::string sentence(const FusedMesh& m) {
   char text[400];
-  std::snprintf(text, sizeof text,
-                "the fused mesh, %lld tets. Its volume is %.6g; that of the solid, in which a place counts as often "
-                "as it is covered, %.6g. %lld faces of the surface are cut, %lld of its vertices lie inside.",
-                static_cast<long long>(m.mesh.mesh.T.rows()), m.volume, m.solid_volume,
-                static_cast<long long>(m.cut_faces), static_cast<long long>(m.inner_vertices));
+  std::snprintf(
+      text, sizeof text,
+      "the fused mesh, %lld tets. Its volume is %.6g; that of the solid, in which a place counts as often "
+      "as it is covered, %.6g. %lld faces of the surface are cut, %lld of its vertices lie inside.",
+      static_cast<long long>(m.mesh.mesh.T.rows()), m.volume, m.solid_volume,
+      static_cast<long long>(m.cut_faces), static_cast<long long>(m.inner_vertices));
   return text;
 }
 
@@ -55,8 +57,7 @@ int run(const CompareCommand& command, const CommonOptions& common, Terminal& te
   const Result<TetFormat> format = tet_format_of(command.output);
   if (!format) return fail(terminal, format.error());
   if (same_file(command.input, command.output))
-    return fail(terminal,
-                {ErrorCode::usage, "The output would overwrite the input; choose another name."});
+    return fail(terminal, {ErrorCode::usage, "The output would overwrite the input; choose another name."});
   OutputProbe probe;
   if (Status s = probe.open(command.output); !s) return fail(terminal, s.error());
   const RunContext context = common.context(terminal);

@@ -127,7 +127,8 @@ struct ElasticWords {
   double young = 1, poisson = 0.3, density = 1, step = 0.01, tolerance = 1e-8;
   int frames = 1, iterations = 200;
   bool dynamic = false;
-  std::vector<std::string> fixed, pulled, tractions, forces;  // WHERE, the others WHERE=FORMULA;FORMULA;FORMULA
+  std::vector<std::string> fixed, pulled, tractions,
+      forces;  // WHERE, the others WHERE=FORMULA;FORMULA;FORMULA
 };
 struct SolveCommand {
   std::string kind, input, output;

@@ -81,7 +81,8 @@ void add_elastic(CLI::App& command, ElasticWords& elastic) {
   add("--poisson", elastic.poisson, "Poisson's ratio")->check(between(0, 0.499));
   add("--density", elastic.density, "Mass by volume at rest")->check(more_than_zero());
   add_elastic_loads(command, elastic);
-  command.add_flag("--dynamic", elastic.dynamic, "Motion in time; without it equilibria are found")->group(kElastic);
+  command.add_flag("--dynamic", elastic.dynamic, "Motion in time; without it equilibria are found")
+      ->group(kElastic);
   add("--frames", elastic.frames, "Steps in time; without --dynamic equilibria at times from 1/N to 1")
       ->check(CLI::PositiveNumber);
   add("--step", elastic.step, "The time from frame to frame")->check(more_than_zero());
@@ -120,7 +121,8 @@ void check_groups(const CLI::App& command, const SolveCommand& solve) {
 
 CLI::App* add_solve(CLI::App& app, SolveCommand& solve) {
   CLI::App* command = app.add_subcommand(
-      "solve", "Compute a field or an elastic body on a tet mesh: what its layers have in one place is kept apart");
+      "solve",
+      "Compute a field or an elastic body on a tet mesh: what its layers have in one place is kept apart");
   std::vector<std::string> kinds;
   for (const Kind& kind : kKinds) kinds.emplace_back(kind.name);
   command
@@ -130,7 +132,10 @@ CLI::App* add_solve(CLI::App& app, SolveCommand& solve) {
       ->required()
       ->check(CLI::IsMember(kinds));
   command->add_option("MESH", solve.input, "Tet mesh: .mesh, .msh, .vtu, .node, .inp or .vtk")->required();
-  command->add_option("--output,-o", solve.output, "The mesh with the field: .vtu or .vtk; of elastic bodies also .pvd, a .vtu a frame beside it")
+  command
+      ->add_option(
+          "--output,-o", solve.output,
+          "The mesh with the field: .vtu or .vtk; of elastic bodies also .pvd, a .vtu a frame beside it")
       ->required();
   command->add_flag("--json", solve.json, "Print JSON");
   add_fields(*command, solve.field);
@@ -140,8 +145,10 @@ CLI::App* add_solve(CLI::App& app, SolveCommand& solve) {
   command->footer(
       "WHERE: all (of the boundary), label:NUMBER, label:NAME, vertices:N,N,... (counted from 0) or "
       "vertices:@FILE. FORMULA: of x, y and z "
-      "(muParser), or @FILE; of elastic bodies also of the time t. Values must be given somewhere in every component. "
-      "Elastic bodies: any units that go together. Overlapping layers do not collide; no tet is ever flipped.");
+      "(muParser), or @FILE; of elastic bodies also of the time t. Values must be given somewhere in every "
+      "component. "
+      "Elastic bodies: any units that go together. Overlapping layers do not collide; no tet is ever "
+      "flipped.");
   return command;
 }
 

@@ -18,8 +18,8 @@ namespace {
 using FacetOn = std::vector<std::array<Index, 4>>;
 
 double volume(const TetgenResult& tets, Index t) {
-  const Eigen::Vector3d a = tets.V.row(tets.T(t, 0)), b = tets.V.row(tets.T(t, 1)), c = tets.V.row(tets.T(t, 2)),
-                        d = tets.V.row(tets.T(t, 3));
+  const Eigen::Vector3d a = tets.V.row(tets.T(t, 0)), b = tets.V.row(tets.T(t, 1)),
+                        c = tets.V.row(tets.T(t, 2)), d = tets.V.row(tets.T(t, 3));
   return (b - a).cross(c - a).dot(d - a) / 6;
 }
 
@@ -49,8 +49,8 @@ std::vector<std::vector<Index>> cells_of(const TetgenResult& tets, const FacetOn
 // decides, and a cell without any does not count.
 int winding_in(const std::vector<Index>& cell, const TetgenResult& tets, const WindingNumber& winding) {
   for (const Index t : cell) {
-    const Eigen::RowVector3d p = (tets.V.row(tets.T(t, 0)) + tets.V.row(tets.T(t, 1)) + tets.V.row(tets.T(t, 2)) +
-                                  tets.V.row(tets.T(t, 3))) /
+    const Eigen::RowVector3d p = (tets.V.row(tets.T(t, 0)) + tets.V.row(tets.T(t, 1)) +
+                                  tets.V.row(tets.T(t, 2)) + tets.V.row(tets.T(t, 3))) /
                                  4;
     if (const std::optional<int> w = winding.at(p.data())) return *w;
   }

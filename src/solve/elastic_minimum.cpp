@@ -68,7 +68,8 @@ class Descent {
     return std::min(1.0, kWayToFlat * way.part);
   }
 
-  // Moves the held vertices and, with them, all others, whatever the energy. The part of the way that was gone.
+  // Moves the held vertices and, with them, all others, whatever the energy. The part of the way that was
+  // gone.
   Result<double> bring(const VertexMatrix& given) {
     const Result<VertexMatrix> d = directions_.direction(E_, x_, gradient(x_), given, context_);
     if (!d) return d.error();
@@ -121,12 +122,13 @@ class Descent {
     return -slope <= kRoundedLength * here.size;
   }
 
-  // Goes along d as far as the energy falls as it should [Armijo 1966]; where that cannot be told for rounding, the
-  // gradient decides. Returns the part that was gone; 0: nothing changes.
+  // Goes along d as far as the energy falls as it should [Armijo 1966]; where that cannot be told for
+  // rounding, the gradient decides. Returns the part that was gone; 0: nothing changes.
   double go(const VertexMatrix& d, double slope, VertexMatrix& g, ElasticPotential::Value& here) {
     const bool by_gradient = negligible(slope, here);
     double part = allowed(d);
-    for (int halving = 0; halving < kMostRounds && part > 0; ++halving, part /= 2, ++minimum_.line_search_steps) {
+    for (int halving = 0; halving < kMostRounds && part > 0;
+         ++halving, part /= 2, ++minimum_.line_search_steps) {
       const VertexMatrix to = x_ + part * d;
       const ElasticPotential::Value there = E_.value(to);
       if (!by_gradient && !(there.sum <= here.sum + kPrecise * part * slope)) continue;
@@ -157,8 +159,8 @@ class Descent {
 
 }  // namespace
 
-Result<ElasticMinimum> minimise(const ElasticPotential& E, const ElasticGoal& goal, ElasticDirections& directions,
-                                VertexMatrix& x, const RunContext& context) {
+Result<ElasticMinimum> minimise(const ElasticPotential& E, const ElasticGoal& goal,
+                                ElasticDirections& directions, VertexMatrix& x, const RunContext& context) {
   return Descent(E, goal, directions, x, context).run();
 }
 
