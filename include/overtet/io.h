@@ -139,9 +139,9 @@ Result<LabelledTetMesh> read_labelled_tets(const std::string& path, const RunCon
 Result<LabelledTetMesh> read_labelled_tets(const std::string& path, TetFormat format,
                                            const RunContext& context = {});
 
-// A list of files with a time each, as ParaView's collection (.pvd): a film. `file`: as it is found from where the
-// list is. The list appears whole: written again after each new file, it always names complete files only. Errors:
-// io.
+// A list of files with a time each, as ParaView's collection (.pvd): a film. `file`: as it is found from
+// where the list is. The list appears whole: written again after each new file, it always names complete
+// files only. Errors: io.
 struct FileAtTime {
   double time = 0;
   std::string file;

@@ -16,6 +16,7 @@
 //   solve.h         solve_field(), Distances: fields on meshes
 //   fused.h         fused_mesh(): what others make, to compare with
 //   io.h            reading and writing
+//   weights.h       skinning_weights(), skinned()
 //   view.h          write_page(), write_picture(): to look at
 //   report.h        what a run says about itself, as JSON
 //   version.h
@@ -43,3 +44,4 @@
 #include "overtet/verification.h"
 #include "overtet/version.h"
 #include "overtet/view.h"
+#include "overtet/weights.h"

@@ -72,6 +72,18 @@ void pin_blas_to_one_thread() {
   });
 }
 
+// OpenBLAS that was built for one thread (Debian's libopenblas0-serial) hands the same buffer to two threads
+// that call it at the same time: factors come out wrong. Then they wait for each other. Simplicial factors do
+// without a BLAS.
+std::unique_lock<std::mutex> blas_turn(const cholmod_factor* factor) {
+  static std::mutex mutex;
+  static const bool needed = [] {
+    void* const f = dlsym(RTLD_DEFAULT, "openblas_get_parallel");
+    return f && reinterpret_cast<int (*)()>(f)() == 0;
+  }();
+  return needed && factor->is_super ? std::unique_lock(mutex) : std::unique_lock<std::mutex>();
+}
+
 // CHOLMOD's supernodal loops ask for four OpenMP threads whatever the caller says: in this thread they get
 // one. (Measured: otherwise a sixth of a volume patch's step is spent waiting for and waking threads.)
 void pin_openmp_to_one_thread() {
@@ -114,7 +126,7 @@ struct SparseCholesky::Impl {
     common.method[0].ordering = options.ordering == Ordering::metis     ? CHOLMOD_METIS
                                 : options.ordering == Ordering::natural ? CHOLMOD_NATURAL
                                                                         : CHOLMOD_AMD;
-    common.postorder = options.ordering != Ordering::natural;
+    common.postorder = 1;
     common.supernodal = options.method == Method::simplicial   ? CHOLMOD_SIMPLICIAL
                         : options.method == Method::supernodal ? CHOLMOD_SUPERNODAL
                                                                : CHOLMOD_AUTO;
@@ -180,6 +192,7 @@ bool SparseCholesky::factor(const SymmetricMatrix& A) {
       if (!std::isfinite(x[i])) return false;
     pin_openmp_to_one_thread();
     cholmod_sparse s = view(A);
+    const auto turn = blas_turn(m.L);
     if (!cholmod().factorize(&s, m.L, &m.common) || m.common.status != CHOLMOD_OK) return false;
     if (m.L->minor < static_cast<std::size_t>(m.rows)) return false;
     count(Count::factorisations);
@@ -201,6 +214,7 @@ bool SparseCholesky::solve_columns(Eigen::Index columns) const {
   b.x = m.columns.data();
   b.xtype = CHOLMOD_REAL;
   b.dtype = CHOLMOD_DOUBLE;
+  const auto turn = blas_turn(m.L);
   return cholmod().solve2(CHOLMOD_A, m.L, &b, nullptr, &m.X, nullptr, &m.Y, &m.E, &m.common);
 }
 
@@ -232,6 +246,13 @@ bool SparseCholesky::solve(const Eigen::VectorXd& b, Eigen::VectorXd& x) const {
 }
 
 double SparseCholesky::factor_entries() const { return impl_->common.lnz; }
+
+std::vector<int> SparseCholesky::order() const {
+  const Impl& m = *impl_;
+  if (m.rows <= 0) return {};
+  const int* const first = static_cast<const int*>(m.L->Perm);
+  return {first, first + m.rows};
+}
 
 void multiply(const SymmetricMatrix& A, const VertexMatrix& x, VertexMatrix& y) {
   y.setZero(A.rows(), 3);

@@ -114,11 +114,18 @@ struct FieldWords {
   std::vector<std::string> values, fluxes;  // WHERE=FORMULA
   std::string source;                       // a formula
   int order = 1;
+  std::string solver = "automatic";
 };
 
 struct DistanceWords {
   std::vector<std::string> from;  // WHERE
   double smoothing = 1;
+};
+
+struct SkinningWords {
+  std::string handles;  // file
+  bool cut_bones = false;
+  std::string weights, pose;  // files
 };
 
 // More than 12 members: what the user chose, option by option.
@@ -127,13 +134,15 @@ struct ElasticWords {
   double young = 1, poisson = 0.3, density = 1, step = 0.01, tolerance = 1e-8;
   int frames = 1, iterations = 200;
   bool dynamic = false;
-  std::vector<std::string> fixed, pulled, tractions, forces;  // WHERE, the others WHERE=FORMULA;FORMULA;FORMULA
+  std::vector<std::string> fixed, pulled, tractions,
+      forces;  // WHERE, the others WHERE=FORMULA;FORMULA;FORMULA
 };
 struct SolveCommand {
   std::string kind, input, output;
   bool json = false;
   FieldWords field;
   DistanceWords distances;
+  SkinningWords skinning;
   ElasticWords elastic;
 };
 

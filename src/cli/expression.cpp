@@ -134,9 +134,10 @@ Result<VectorFunction> vector_function_of(const std::string& formulas) {
     f.push_back(one.value());
   }
   if (f.size() != 3)
-    return Error{ErrorCode::usage, "'" + text.value() +
-                                       "' is no direction; write three formulas with semicolons between them, as "
-                                       "'0;0;0.1*t', in quotes."};
+    return Error{ErrorCode::usage,
+                 "'" + text.value() +
+                     "' is no direction; write three formulas with semicolons between them, as "
+                     "'0;0;0.1*t', in quotes."};
   return VectorFunction([f](const Eigen::Vector3d& p, double t) {
     return Eigen::Vector3d(f[0]->at(p, t), f[1]->at(p, t), f[2]->at(p, t));
   });

@@ -75,7 +75,8 @@ namespace {
 // WHERE=FORMULA, read by `function_in`.
 template <class Condition, class Function>
 Result<std::vector<Condition>> conditions(const std::vector<std::string>& words, const LabelledTetMesh& mesh,
-                                          const char* form, Result<Function> (*function_in)(const std::string&)) {
+                                          const char* form,
+                                          Result<Function> (*function_in)(const std::string&)) {
   std::vector<Condition> out;
   for (const std::string& word : words) {
     const std::size_t equals = word.find('=');

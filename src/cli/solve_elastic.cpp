@@ -194,9 +194,10 @@ SolveSummary summary_of(const LabelledTetMesh& mesh, const std::vector<ElasticSt
                  {"least_ratio", least},
                  {"steps", list}};
   char text[240];
-  int length = std::snprintf(text, sizeof text, "%zu frame%s of %lld tets, %.3g a second; displacements up to %.6g, residual %.2g",
-                             steps.size(), steps.size() == 1 ? "" : "s", static_cast<long long>(mesh.mesh.T.rows()),
-                             rate, writer.most_displacement(), residual);
+  int length = std::snprintf(
+      text, sizeof text, "%zu frame%s of %lld tets, %.3g a second; displacements up to %.6g, residual %.2g",
+      steps.size(), steps.size() == 1 ? "" : "s", static_cast<long long>(mesh.mesh.T.rows()), rate,
+      writer.most_displacement(), residual);
   if (unconverged > 0)
     std::snprintf(text + length, sizeof text - static_cast<std::size_t>(length),
                   " (%d frames have used all their iterations)", unconverged);

@@ -18,12 +18,13 @@ struct Kind {
 };
 constexpr const char* kFields = "Of laplace, poisson and biharmonic";
 constexpr const char* kDistances = "Of geodesic";
+constexpr const char* kSkinning = "Of weights and skin";
 constexpr const char* kElastic = "Of elastic";
-const Kind kKinds[] = {{"laplace", kFields, solve_for_field},
-                       {"poisson", kFields, solve_for_field},
-                       {"biharmonic", kFields, solve_for_field},
-                       {"geodesic", kDistances, solve_for_distances},
-                       {"elastic", kElastic, solve_for_elastic}};
+const Kind kKinds[] = {
+    {"laplace", kFields, solve_for_field},     {"poisson", kFields, solve_for_field},
+    {"biharmonic", kFields, solve_for_field},  {"geodesic", kDistances, solve_for_distances},
+    {"weights", kSkinning, solve_for_weights}, {"skin", kSkinning, solve_for_skin},
+    {"elastic", kElastic, solve_for_elastic}};
 
 const Kind& kind_named(const std::string& name) {
   return *std::find_if(std::begin(kKinds), std::end(kKinds), [&](const Kind& k) { return k.name == name; });
@@ -44,6 +45,12 @@ void add_fields(CLI::App& command, FieldWords& field) {
       ->check(CLI::IsMember({1, 2}))
       ->capture_default_str()
       ->group(kFields);
+  command
+      .add_option("--solver", field.solver,
+                  "automatic, direct (a Cholesky factor) or iterative (conjugate gradients with multigrid)")
+      ->check(CLI::IsMember({"automatic", "direct", "iterative"}))
+      ->capture_default_str()
+      ->group(kFields);
 }
 
 void add_distances(CLI::App& command, DistanceWords& distances) {
@@ -54,6 +61,35 @@ void add_distances(CLI::App& command, DistanceWords& distances) {
       ->check(between(1e-6, 1e6))
       ->capture_default_str()
       ->group(kDistances);
+}
+
+void add_skinning(CLI::App& command, SkinningWords& skinning) {
+  command
+      .add_option("--handles", skinning.handles,
+                  "File of the points and bones (needed): JSON (docs/handles.md) or TGF (.tgf)")
+      ->group(kSkinning);
+  command
+      .add_flag("--cut-bones", skinning.cut_bones,
+                "Of weights: bones that leave the solid are cut off there (default: an error)")
+      ->group(kSkinning);
+  command
+      .add_option("--weights", skinning.weights,
+                  "Of skin (needed): the weights, a .vtu or .csv file from solve weights")
+      ->group(kSkinning);
+  command.add_option("--pose", skinning.pose, "Of skin (needed): JSON, the motion of each handle that moves")
+      ->group(kSkinning);
+}
+
+void check_skinning(const std::string& kind, const SkinningWords& words) {
+  if (words.handles.empty()) throw CLI::ValidationError("Handles are needed: --handles FILE");
+  if (kind == "weights") {
+    if (!words.weights.empty()) throw CLI::ValidationError("--weights is no option of weights");
+    if (!words.pose.empty()) throw CLI::ValidationError("--pose is no option of weights");
+    return;
+  }
+  if (words.cut_bones) throw CLI::ValidationError("--cut-bones is no option of skin");
+  if (words.weights.empty()) throw CLI::ValidationError("Weights are needed: --weights FILE");
+  if (words.pose.empty()) throw CLI::ValidationError("A pose is needed: --pose FILE");
 }
 
 void add_elastic_loads(CLI::App& command, ElasticWords& elastic) {
@@ -81,7 +117,8 @@ void add_elastic(CLI::App& command, ElasticWords& elastic) {
   add("--poisson", elastic.poisson, "Poisson's ratio")->check(between(0, 0.499));
   add("--density", elastic.density, "Mass by volume at rest")->check(more_than_zero());
   add_elastic_loads(command, elastic);
-  command.add_flag("--dynamic", elastic.dynamic, "Motion in time; without it equilibria are found")->group(kElastic);
+  command.add_flag("--dynamic", elastic.dynamic, "Motion in time; without it equilibria are found")
+      ->group(kElastic);
   add("--frames", elastic.frames, "Steps in time; without --dynamic equilibria at times from 1/N to 1")
       ->check(CLI::PositiveNumber);
   add("--step", elastic.step, "The time from frame to frame")->check(more_than_zero());
@@ -109,6 +146,7 @@ void check_groups(const CLI::App& command, const SolveCommand& solve) {
         throw CLI::ValidationError(option->get_name() + " is no option of " + solve.kind);
   if (std::string_view(kind.group) == kDistances && solve.distances.from.empty())
     throw CLI::ValidationError("Distances need a source: --from WHERE");
+  if (std::string_view(kind.group) == kSkinning) check_skinning(solve.kind, solve.skinning);
   if (std::string_view(kind.group) == kElastic && !solve.elastic.dynamic) {
     for (const char* name : {"--step", "--damping", "--integrator"})
       if (command.count(name) > 0)
@@ -120,28 +158,37 @@ void check_groups(const CLI::App& command, const SolveCommand& solve) {
 
 CLI::App* add_solve(CLI::App& app, SolveCommand& solve) {
   CLI::App* command = app.add_subcommand(
-      "solve", "Compute a field or an elastic body on a tet mesh: what its layers have in one place is kept apart");
+      "solve",
+      "Compute a field or an elastic body on a tet mesh: what its layers have in one place is kept apart");
   std::vector<std::string> kinds;
   for (const Kind& kind : kKinds) kinds.emplace_back(kind.name);
   command
-      ->add_option("KIND", solve.kind,
-                   "laplace, poisson (-Laplace(u) = f), biharmonic (Laplace(Laplace(u)) = f), geodesic "
-                   "(distances inside), or elastic (an elastic body; its layers do not collide)")
+      ->add_option(
+          "KIND", solve.kind,
+          "laplace, poisson (-Laplace(u) = f), biharmonic (Laplace(Laplace(u)) = f), geodesic "
+          "(distances inside), weights (for skinning, of handles), skin (the mesh in a pose), or elastic "
+          "(an elastic body; its layers do not collide)")
       ->required()
       ->check(CLI::IsMember(kinds));
   command->add_option("MESH", solve.input, "Tet mesh: .mesh, .msh, .vtu, .node, .inp or .vtk")->required();
-  command->add_option("--output,-o", solve.output, "The mesh with the field: .vtu or .vtk; of elastic bodies also .pvd, a .vtu a frame beside it")
+  command
+      ->add_option("--output,-o", solve.output,
+                   "The mesh with the field: .vtu or .vtk; of weights also .glb (the boundary with a "
+                   "skeleton) or .csv; of elastic bodies also .pvd, a .vtu a frame beside it")
       ->required();
   command->add_flag("--json", solve.json, "Print JSON");
   add_fields(*command, solve.field);
   add_distances(*command, solve.distances);
+  add_skinning(*command, solve.skinning);
   add_elastic(*command, solve.elastic);
   command->callback([command, &solve] { check_groups(*command, solve); });
   command->footer(
       "WHERE: all (of the boundary), label:NUMBER, label:NAME, vertices:N,N,... (counted from 0) or "
       "vertices:@FILE. FORMULA: of x, y and z "
-      "(muParser), or @FILE; of elastic bodies also of the time t. Values must be given somewhere in every component. "
-      "Elastic bodies: any units that go together. Overlapping layers do not collide; no tet is ever flipped.");
+      "(muParser), or @FILE; of elastic bodies also of the time t. Values must be given somewhere in every "
+      "component. "
+      "Elastic bodies: any units that go together. Overlapping layers do not collide; no tet is ever "
+      "flipped.");
   return command;
 }
 

@@ -22,13 +22,15 @@ Status ElasticOptions::validate() const {
   if (!(poisson >= 0 && poisson <= 0.499)) return wrong("Poisson's ratio must lie between 0 and 0.499.");
   if (!positive(density)) return wrong("The density must be greater than 0.");
   if (!gravity.allFinite()) return wrong("Gravity is not finite.");
-  if (!not_negative(mass_damping) || !not_negative(stiffness_damping)) return wrong("Damping must not be negative.");
+  if (!not_negative(mass_damping) || !not_negative(stiffness_damping))
+    return wrong("Damping must not be negative.");
   if (!positive(time_step)) return wrong("The time step must be greater than 0.");
   if (frames < 1) return wrong("There must be at least one frame.");
   if (!(tolerance > 0 && tolerance < 1)) return wrong("The tolerance must lie between 0 and 1.");
   if (most_iterations < 1) return wrong("There must be at least one iteration.");
   if (!dynamic && velocities.rows() > 0) return wrong("An equilibrium has no velocities at its start.");
-  if (!rest.allFinite() || !velocities.allFinite()) return wrong("A number of the rest shape or of the velocities is not finite.");
+  if (!rest.allFinite() || !velocities.allFinite())
+    return wrong("A number of the rest shape or of the velocities is not finite.");
   for (const ElasticCondition& t : tractions)
     if (!t.vertices.empty() || !t.function)
       return wrong("A traction is a function on triangles; at vertices there are forces.");
@@ -98,7 +100,8 @@ Status ElasticMotion::begin(const LabelledTetMesh& mesh, const RunContext& conte
                     : quasi_newton_directions(
                           number, (2 * law.lame.mu + law.lame.lambda) * TetElements(rest, T, 1).stiffness());
   now_.x = mesh.mesh.V;
-  now_.v = options_.velocities.rows() > 0 ? options_.velocities : VertexMatrix(VertexMatrix::Zero(vertices, 3));
+  now_.v =
+      options_.velocities.rows() > 0 ? options_.velocities : VertexMatrix(VertexMatrix::Zero(vertices, 3));
   force_ = VertexMatrix::Zero(vertices, 3);
   return success();
 }
@@ -112,8 +115,7 @@ Result<ElasticMotion::Outside> ElasticMotion::outside_at(double time) const {
   if (!targets) return targets.error();
   if (!force) return force.error();
   for (const auto& [v, place] : moved_) targets.value().row(v) = place;
-  return Outside{std::move(targets).value(),
-                 std::move(force).value() + mass_ * options_.gravity.transpose()};
+  return Outside{std::move(targets).value(), std::move(force).value() + mass_ * options_.gravity.transpose()};
 }
 
 // Of a step of length h from what is now; h = 0: of an equilibrium.
@@ -152,8 +154,8 @@ Result<bool> ElasticMotion::advance(int parts, const Outside& end, ElasticStep& 
     const VertexMatrix targets =
         part == parts ? end.targets : VertexMatrix(start.x + share * (end.targets - start.x));
     // Forces on bodies that move do not wait for the end of the frame.
-    const VertexMatrix acting = options_.dynamic || part == parts ? end.force
-                                                                  : VertexMatrix(force + share * (end.force - force));
+    const VertexMatrix acting =
+        options_.dynamic || part == parts ? end.force : VertexMatrix(force + share * (end.force - force));
     const ElasticPotential E = potential(h, second_order, acting);
     VertexMatrix x = now_.x;
     const Result<ElasticMinimum> found = minimise(
@@ -186,18 +188,20 @@ Result<bool> ElasticMotion::advance(int parts, const Outside& end, ElasticStep& 
 Error ElasticMotion::stuck(const ElasticMinimum& last) const {
   char text[280];
   if (last.brought) {
-    std::snprintf(text, sizeof text,
-                  "No equilibrium was found: after %d iterations %.2g of the forces is left. Allow more iterations, or "
-                  "load the body in more frames.",
-                  options_.most_iterations, last.residual);
+    std::snprintf(
+        text, sizeof text,
+        "No equilibrium was found: after %d iterations %.2g of the forces is left. Allow more iterations, or "
+        "load the body in more frames.",
+        options_.most_iterations, last.residual);
     return {ErrorCode::unsolved, text};
   }
   const auto corner = body_->tet(std::max(last.flat, Index{0}))[0];
   const Eigen::RowVector3d p = now_.x.row(corner);
-  std::snprintf(text, sizeof text,
-                "What is held cannot be moved so far in one frame, even in %d parts: tet %d (counted from 0), near "
-                "(%.6g, %.6g, %.6g), would become flat. Move it less, in more frames, or another way.",
-                kMostParts, last.flat, p[0], p[1], p[2]);
+  std::snprintf(
+      text, sizeof text,
+      "What is held cannot be moved so far in one frame, even in %d parts: tet %d (counted from 0), near "
+      "(%.6g, %.6g, %.6g), would become flat. Move it less, in more frames, or another way.",
+      kMostParts, last.flat, p[0], p[1], p[2]);
   return {ErrorCode::unsolved, text, std::array<double, 3>{p[0], p[1], p[2]}};
 }
 
@@ -229,7 +233,8 @@ Result<ElasticStep> ElasticMotion::step(const RunContext& context) {
 Status ElasticMotion::move_held(std::span<const Index> vertices, const VertexMatrix& places) {
   if (std::ssize(vertices) != places.rows())
     return Error{ErrorCode::usage, "There must be a place for each vertex that is moved."};
-  if (!places.allFinite()) return Error{ErrorCode::usage, "A place that a vertex is to move to is not finite."};
+  if (!places.allFinite())
+    return Error{ErrorCode::usage, "A place that a vertex is to move to is not finite."};
   for (const Index v : vertices)
     if (v < 0 || v >= now_.x.rows() || !loads_.is_held(v))
       return Error{ErrorCode::usage, "Vertex " + std::to_string(v) + " (counted from 0) is not held."};

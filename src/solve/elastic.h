@@ -16,7 +16,8 @@ namespace overtet::solve_detail {
 class ElasticMotion {
  public:
   // pre: the options are valid.
-  static Result<std::unique_ptr<ElasticMotion>> prepare(const LabelledTetMesh& mesh, const ElasticOptions& options,
+  static Result<std::unique_ptr<ElasticMotion>> prepare(const LabelledTetMesh& mesh,
+                                                        const ElasticOptions& options,
                                                         const RunContext& context);
 
   Result<ElasticStep> step(const RunContext& context);
@@ -40,13 +41,14 @@ class ElasticMotion {
     VertexMatrix targets, force;
   };
 
-  ElasticMotion(const ElasticOptions& options, ElasticLoads loads) : options_(options), loads_(std::move(loads)) {}
+  ElasticMotion(const ElasticOptions& options, ElasticLoads loads)
+      : options_(options), loads_(std::move(loads)) {}
   Status begin(const LabelledTetMesh& mesh, const RunContext& context);
   double time_of(int frame) const;
   Result<Outside> outside_at(double time) const;
   ElasticPotential potential(double h, bool second_order, VertexMatrix force) const;
-  // The frame in so many parts. False, and nothing has changed: tets are in the way, or an equilibrium was not
-  // reached.
+  // The frame in so many parts. False, and nothing has changed: tets are in the way, or an equilibrium was
+  // not reached.
   Result<bool> advance(int parts, const Outside& end, ElasticStep& step, ElasticMinimum& last,
                        const RunContext& context);
   Error stuck(const ElasticMinimum& last) const;

@@ -26,8 +26,8 @@ Error not_definite() {
           "or memory ran out. Improve the mesh."};
 }
 
-// The matrix as it is, as long as it is positive definite; else, until a whole step was gone, that of the tets'
-// definite parts.
+// The matrix as it is, as long as it is positive definite; else, until a whole step was gone, that of the
+// tets' definite parts.
 class NewtonDirections final : public ElasticDirections {
  public:
   explicit NewtonDirections(const std::vector<Index>& number) : number_(number) {}
@@ -45,7 +45,8 @@ class NewtonDirections final : public ElasticDirections {
     const VertexMatrix change = given.rows() > 0 ? VertexMatrix(g + E.change(tangents_, given)) : g;
     Eigen::VectorXd b(E.body->rows());
     for (std::size_t v = 0; v < number_.size(); ++v)
-      if (number_[v] >= 0) b.segment<3>(3 * number_[v]) = -change.row(static_cast<Eigen::Index>(v)).transpose();
+      if (number_[v] >= 0)
+        b.segment<3>(3 * number_[v]) = -change.row(static_cast<Eigen::Index>(v)).transpose();
     if (!factor_.solve(b, b)) return kNoMemory;
     VertexMatrix out = given.rows() > 0 ? given : VertexMatrix(VertexMatrix::Zero(g.rows(), 3));
     for (std::size_t v = 0; v < number_.size(); ++v)
@@ -61,7 +62,8 @@ class NewtonDirections final : public ElasticDirections {
 
  private:
   // False: not positive definite.
-  Result<bool> factor(const ElasticPotential& E, const VertexMatrix& x, Tangent kind, const RunContext& context) {
+  Result<bool> factor(const ElasticPotential& E, const VertexMatrix& x, Tangent kind,
+                      const RunContext& context) {
     E.body->tangents(x, kind, tangents_);
     E.assemble(tangents_, A_);
     if (!analyzed_)
@@ -145,7 +147,8 @@ class QuasiNewtonDirections final : public ElasticDirections {
     if (weights == weights_) return success();
     SymmetricMatrix A = weights[0] * kept_part(stiffness_, number_, free_);
     for (std::size_t v = 0; v < number_.size(); ++v)
-      if (const Index n = number_[v]; n >= 0) A.coeffRef(n, n) += weights[1] * (*E.mass)[static_cast<Eigen::Index>(v)];
+      if (const Index n = number_[v]; n >= 0)
+        A.coeffRef(n, n) += weights[1] * (*E.mass)[static_cast<Eigen::Index>(v)];
     if (weights_ == std::array<double, 2>{})
       if (Status s = analyzed(factor_, A, context); !s) return s;
     ++factorisations;

@@ -15,10 +15,11 @@ class ElasticDirections {
  public:
   virtual ~ElasticDirections() = default;
 
-  // Where the free vertices should go from x, whose gradient is g, if the held ones go the way `given` (0 for the
-  // others; empty: nowhere): #V x 3, `given` included. Errors: unsolved (no factor), limit, interrupted.
-  virtual Result<VertexMatrix> direction(const ElasticPotential& E, const VertexMatrix& x, const VertexMatrix& g,
-                                         const VertexMatrix& given, const RunContext& context) = 0;
+  // Where the free vertices should go from x, whose gradient is g, if the held ones go the way `given` (0 for
+  // the others; empty: nowhere): #V x 3, `given` included. Errors: unsolved (no factor), limit, interrupted.
+  virtual Result<VertexMatrix> direction(const ElasticPotential& E, const VertexMatrix& x,
+                                         const VertexMatrix& g, const VertexMatrix& given,
+                                         const RunContext& context) = 0;
   // What became of it: the part of the way that was gone, and the gradient there.
   virtual void gone(double part, const VertexMatrix& way, const VertexMatrix& g_change) = 0;
   // Another potential.

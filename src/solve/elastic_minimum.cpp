@@ -69,7 +69,8 @@ class Descent {
     return std::min(1.0, kWayToFlat * way.part);
   }
 
-  // Moves the held vertices and, with them, all others, whatever the energy. The part of the way that was gone.
+  // Moves the held vertices and, with them, all others, whatever the energy. The part of the way that was
+  // gone.
   Result<double> bring(const VertexMatrix& given) {
     const Result<VertexMatrix> d = directions_.direction(E_, x_, slope(x_).gradient, given, context_);
     if (!d) return d.error();
@@ -121,8 +122,9 @@ class Descent {
     return -fall <= kRoundedLength * here.value.size;
   }
 
-  // Goes along d as far as the energy falls as it should [Armijo 1966]; where that cannot be told for rounding, the
-  // gradient decides. fall: the energy's derivative on the way. Returns the part that was gone; 0: nothing changes.
+  // Goes along d as far as the energy falls as it should [Armijo 1966]; where that cannot be told for
+  // rounding, the gradient decides. fall: the energy's derivative on the way. Returns the part that was gone;
+  // 0: nothing changes.
   double go(const VertexMatrix& d, double fall, ElasticPotential::Slope& here) {
     const bool by_gradient = negligible(fall, here);
     double part = allowed(d);
@@ -151,8 +153,8 @@ class Descent {
 
 }  // namespace
 
-Result<ElasticMinimum> minimise(const ElasticPotential& E, const ElasticGoal& goal, ElasticDirections& directions,
-                                VertexMatrix& x, const RunContext& context) {
+Result<ElasticMinimum> minimise(const ElasticPotential& E, const ElasticGoal& goal,
+                                ElasticDirections& directions, VertexMatrix& x, const RunContext& context) {
   return Descent(E, goal, directions, x, context).run();
 }
 

@@ -1,16 +1,17 @@
-// What a step of an elastic body makes least: its energy, the work of outer forces, and in motion the incremental
-// potential of one step in time [Kane, Marsden, Ortiz, West 2000; Gast, Schroeder, Stomakhin, Jiang, Teran 2015].
-// Internal to src/solve.
+// What a step of an elastic body makes least: its energy, the work of outer forces, and in motion the
+// incremental potential of one step in time [Kane, Marsden, Ortiz, West 2000; Gast, Schroeder, Stomakhin,
+// Jiang, Teran 2015]. Internal to src/solve.
 #pragma once
 
 #include "kernels/elastic/body.h"
 
 namespace overtet::solve_detail {
 
-//   elastic(x) - force.(x - base) + inertia/2 |x - predicted|^2 + drag/2 |x - base|^2 + viscosity/2 (x - base)' K (x -
-//   base)
+//   elastic(x) - force.(x - base) + inertia/2 |x - predicted|^2 + drag/2 |x - base|^2 + viscosity/2 (x -
+//   base)' K (x - base)
 //
-// with squares weighed by mass, and K the stiffness at `base`. Rates are 1/h^2 (inertia) and damping over h, h the step.
+// with squares weighed by mass, and K the stiffness at `base`. Rates are 1/h^2 (inertia) and damping over h,
+// h the step.
 struct ElasticPotential {
   const ElasticBody* body = nullptr;
   const Eigen::VectorXd* mass = nullptr;  // #V

@@ -234,7 +234,9 @@ TEST(SolveElastic, MomentumIsKeptAndEnergyDoesNotGrow) {
       ASSERT_TRUE(body.ok()) << body.error().message;
       Eigen::VectorXd mass = Eigen::VectorXd::Zero(m.mesh.V.rows());
       for (Eigen::Index t = 0; t < m.mesh.T.rows(); ++t) {
-        const auto edge = [&](int k) -> Place { return m.mesh.V.row(m.mesh.T(t, k)) - m.mesh.V.row(m.mesh.T(t, 0)); };
+        const auto edge = [&](int k) -> Place {
+          return m.mesh.V.row(m.mesh.T(t, k)) - m.mesh.V.row(m.mesh.T(t, 0));
+        };
         for (int k = 0; k < 4; ++k) mass[m.mesh.T(t, k)] += edge(1).dot(edge(2).cross(edge(3))) / 24;
       }
       const Eigen::RowVector3d momentum = mass.transpose() * o.velocities;
@@ -352,7 +354,8 @@ TEST(SolveElastic, WhatCannotBeIsRefused) {
   EXPECT_EQ(code(o), ErrorCode::usage);
   o.forces = {};
   // Held so that a tet must be flat.
-  o.held = {everywhere(constant(0, 0, 0)), {.label = std::nullopt, .vertices = {0}, .function = constant(2, 2, 2)}};
+  o.held = {everywhere(constant(0, 0, 0)),
+            {.label = std::nullopt, .vertices = {0}, .function = constant(2, 2, 2)}};
   EXPECT_EQ(code(o), ErrorCode::unsolved);
   o.held = {at(2)};
   std::atomic<bool> cancel = true;
