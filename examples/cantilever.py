@@ -36,16 +36,11 @@ class Cantilever:
 
     def solve(self, traction, material):
         """Overtet's displacements, and its figures."""
-        from vtkmodules.util.numpy_support import vtk_to_numpy
-        from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
         output = self.example.path("bent.vtu")
         said = self.example.run(self.example.program, "solve", "elastic", self.example.path("beam.vtu"), "-o", output, "--json",
                                 "--material", material, "--young", str(YOUNG), "--poisson", str(POISSON), "--fix", "label:base",
                                 "--traction", f"label:tip=0;0;{-traction}", "--tolerance", "1e-12")
-        reader = vtkXMLUnstructuredGridReader()
-        reader.SetFileName(output)
-        reader.Update()
-        return vtk_to_numpy(reader.GetOutput().GetPointData().GetArray("displacement")), json.loads(said)
+        return read(output, "displacement"), json.loads(said)
 
     def compare(self, what, traction, material, other, seconds):
         """other: the other solver's displacements, by vertex."""
@@ -57,6 +52,17 @@ class Cantilever:
                            numpy.linalg.norm(ours - other, axis=1).max() / numpy.linalg.norm(other, axis=1).max(), AGREEMENT)
         own = sum(step["seconds"] for step in figures["steps"])
         print(f"       {self.tets} tets: {own:.2f} s ({figures['iterations']} iterations); the other solver {seconds:.2f} s")
+
+
+def read(path, name=None):
+    """Of a .vtu file the data of this name, or the points."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
+    reader = vtkXMLUnstructuredGridReader()
+    reader.SetFileName(path)
+    reader.Update()
+    grid = reader.GetOutput()
+    return vtk_to_numpy(grid.GetPointData().GetArray(name) if name else grid.GetPoints().GetData())
 
 
 def write_box(path, cells):
