@@ -23,7 +23,7 @@ Result<Solution> field_of(const SolveCommand& c, const LabelledTetMesh& mesh, co
   FieldOptions o;
   o.equation = c.kind == "poisson"      ? FieldEquation::poisson
                : c.kind == "biharmonic" ? FieldEquation::biharmonic
-                                            : FieldEquation::laplace;
+                                        : FieldEquation::laplace;
   o.order = c.field.order;
   Result<std::vector<BoundaryValue>> values = conditions_in(c.field.values, mesh),
                                      fluxes = conditions_in(c.field.fluxes, mesh);
@@ -78,7 +78,8 @@ Result<SolveSummary> solve_and_write(Solver solver, const SolveCommand& c, const
   Result<Solution> solved = solver(c, mesh, context);
   if (!solved) return solved.error();
   const Eigen::VectorXd& u = solved.value().values;
-  put_vertex_data(mesh.attributes, solved.value().name, 1, std::vector<double>(u.data(), u.data() + u.size()));
+  put_vertex_data(mesh.attributes, solved.value().name, 1,
+                  std::vector<double>(u.data(), u.data() + u.size()));
   TetWriteOptions options;
   options.format = format.value();
   options.order = c.field.order;
