@@ -13,6 +13,8 @@
 //   verification.h  verify(), tet_quality()
 //   attributes.h    labels, regions, layers and what else goes with a mesh
 //   curves.h        intersection_curves()
+//   solve.h         solve_field(), Distances: fields on meshes
+//   fused.h         fused_mesh(): what others make, to compare with
 //   io.h            reading and writing
 //   weights.h       skinning_weights(), skinned()
 //   view.h          write_page(), write_picture(): to look at
@@ -27,7 +29,9 @@
 #include "overtet/cleanup.h"
 #include "overtet/curves.h"
 #include "overtet/diagnosis.h"
+#include "overtet/elastic.h"
 #include "overtet/embed.h"
+#include "overtet/fused.h"
 #include "overtet/io.h"
 #include "overtet/meshing.h"
 #include "overtet/prepare.h"

@@ -37,6 +37,12 @@ enum class FieldEquation {
   biharmonic  // Laplace(Laplace(u)) = f; values and fluxes hold both where values are given
 };
 
+enum class LinearSolver {
+  automatic,  // direct where there are few unknowns, or the equation is biharmonic
+  direct,     // a Cholesky factor
+  iterative   // conjugate gradients with algebraic multigrid: time and memory grow with the mesh, not faster
+};
+
 struct FieldOptions {
   FieldEquation equation = FieldEquation::laplace;
   int order = 1;  // of the elements: 1 or, but for the biharmonic equation, 2
@@ -46,16 +52,22 @@ struct FieldOptions {
   // elsewhere.
   std::vector<BoundaryValue> fluxes;
   ScalarFunction source;  // f; none: 0
+  // Not iterative for the biharmonic equation. The iterative solver ends with a residual of 1e-12; where it
+  // does not get there (tets that are very flat), the direct one takes over.
+  LinearSolver solver = LinearSolver::automatic;
 
   Status validate() const;  // Errors: usage.
 };
 
 struct Field {
-  VertexMatrix nodes;         // #N x 3
-  Eigen::VectorXd values;     // #N
-  double energy = 0;          // the integral of |grad u|^2 / 2
+  VertexMatrix nodes;                          // #N x 3
+  Eigen::VectorXd values;                      // #N
+  double energy = 0;                           // the integral of |grad u|^2 / 2
+  LinearSolver solver = LinearSolver::direct;  // that the values are from: direct or iterative
+  int iterations = 0;         // of the iterative solver, also where the direct one had to take over
   double residual = 0;        // of the linear system, relative to its right-hand side
-  double factor_entries = 0;  // of the Cholesky factor
+  double factor_entries = 0;  // of the Cholesky factor; 0: there is none
+  // From the mesh to the system; of the factor, or of the iterative solver's levels; to the solution.
   double seconds_assembly = 0, seconds_factor = 0, seconds_solve = 0;
 };
 

@@ -3,11 +3,14 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
+#include <numeric>
 
 #include "kernels/core/assertions.h"
 #include "kernels/core/tet_tables.h"
+#include "kernels/parallel/grouping.h"
 #include "kernels/parallel/parallel.h"
 #include "kernels/parallel/tuning.h"
+#include "kernels/sparse/rows.h"
 
 namespace overtet {
 
@@ -53,19 +56,34 @@ double integral(const std::array<int, 4>& power, int dimension) {
   return top / factorial(sum + dimension);
 }
 
-// The product of grad N_i and grad N_j, integrated, of quadratic elements: of two corners, a corner and an
-// edge, two edges.
-double quadratic_stiffness(const TetShape& s, int i, int j) {
-  if (i > j) std::swap(i, j);
-  const auto dot = [&](int a, int b) { return s.gradient.row(a).dot(s.gradient.row(b)); };
+// What the stiffness of one tet is made of: the integrals of the products of the gradients of barycentric
+// coordinates.
+using Products = Eigen::Matrix4d;
+Products products_of(const TetShape& s) { return s.volume * (s.gradient * s.gradient.transpose()); }
+
+// Row i of a linear tet's stiffness.
+void linear_row(const TetShape& s, int i, double* row) {
+  for (int k = 0; k < 4; ++k) row[k] = s.volume * s.gradient.row(i).dot(s.gradient.row(k));
+}
+
+// Row i of a quadratic tet's stiffness: of a corner or an edge with the corners, then with the edges.
+void quadratic_row(const Products& P, int i, double* row) {
   const auto both = [](int a, int b) { return a == b ? 0.1 : 0.05; };  // the integral of lambda_a lambda_b
-  if (j < 4) return s.volume * (16 * both(i, j) - 1) * dot(i, j);
-  const auto& [k, l] = kTetEdge[j - 4];
-  if (i < 4)
-    return 4 * s.volume * ((4 * both(i, k) - 0.25) * dot(i, l) + (4 * both(i, l) - 0.25) * dot(i, k));
+  const auto corner_edge = [&](int c, int k, int l) {
+    return 4 * ((4 * both(c, k) - 0.25) * P(c, l) + (4 * both(c, l) - 0.25) * P(c, k));
+  };
+  if (i < 4) {
+    for (int j = 0; j < 4; ++j) row[j] = (16 * both(i, j) - 1) * P(i, j);
+    for (int e = 0; e < 6; ++e) row[4 + e] = corner_edge(i, kTetEdge[e][0], kTetEdge[e][1]);
+    return;
+  }
   const auto& [p, q] = kTetEdge[i - 4];
-  return 16 * s.volume *
-         (both(k, p) * dot(l, q) + both(k, q) * dot(l, p) + both(l, p) * dot(k, q) + both(l, q) * dot(k, p));
+  for (int j = 0; j < 4; ++j) row[j] = corner_edge(j, p, q);
+  for (int e = 0; e < 6; ++e) {
+    const auto& [k, l] = kTetEdge[e];
+    row[4 + e] =
+        16 * (both(k, p) * P(l, q) + both(k, q) * P(l, p) + both(l, p) * P(k, q) + both(l, q) * P(k, p));
+  }
 }
 
 }  // namespace
@@ -108,26 +126,42 @@ TetElements::TetElements(const VertexMatrix& V, const TetMatrix& T, int order)
   node_.resize(T.rows(), nodes_each());
   node_.leftCols(4) = T;
   if (order == 2) add_middles(V);
-  find_incidences();
+  find_sequence();
+  group_items(nodes(), first_, incidences_, [&](auto visit) {
+    for (Index t = 0; t < tets(); ++t)
+      for (int k = 0; k < nodes_each(); ++k)
+        visit(place_in_sequence_[static_cast<std::size_t>(node_(t, k))], Incidence{t, k});
+  });
 }
 
+// Edges by their smaller vertex: of each one the larger ones, sorted.
 void TetElements::add_middles(const VertexMatrix& V) {
-  edge_ = parallel_collect<std::array<Index, 2>>(
-      tets(), kMediumGrain,
-      [&](std::int64_t begin, std::int64_t end, std::vector<std::array<Index, 2>>& list) {
-        for (std::int64_t t = begin; t < end; ++t)
-          for (const auto& [i, j] : kTetEdge)
-            list.push_back({std::min(node_(t, i), node_(t, j)), std::max(node_(t, i), node_(t, j))});
-      });
-  std::sort(edge_.begin(), edge_.end());
-  edge_.erase(std::unique(edge_.begin(), edge_.end()), edge_.end());
-  edge_.shrink_to_fit();
-  place_.conservativeResize(vertices_ + std::ssize(edge_), 3);
-  parallel_for(std::ssize(edge_), kMediumGrain, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t e = begin; e < end; ++e) {
-      const auto& [a, b] = edge_[static_cast<std::size_t>(e)];
-      place_.row(vertices_ + e) = (V.row(a) + V.row(b)) / 2;
+  RawVector<std::int64_t> start;
+  RawVector<Index> larger;
+  group_items(vertices_, start, larger, [&](auto visit) {
+    for (Index t = 0; t < tets(); ++t)
+      for (const auto& [i, j] : kTetEdge)
+        visit(std::min(node_(t, i), node_(t, j)), std::max(node_(t, i), node_(t, j)));
+  });
+  first_edge_.assign(static_cast<std::size_t>(vertices_) + 1, 0);
+  parallel_for(vertices_, kMediumGrain, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t v = begin; v < end; ++v) {
+      const auto from = larger.begin() + start[v], to = larger.begin() + start[v + 1];
+      std::sort(from, to);
+      first_edge_[static_cast<std::size_t>(v) + 1] = static_cast<Index>(std::unique(from, to) - from);
     }
+  });
+  for (std::size_t v = 1; v < first_edge_.size(); ++v) first_edge_[v] += first_edge_[v - 1];
+  edge_.resize(static_cast<std::size_t>(first_edge_.back()));
+  place_.conservativeResize(vertices_ + std::ssize(edge_), 3);
+  parallel_for(vertices_, kMediumGrain, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t v = begin; v < end; ++v)
+      for (Index e = first_edge_[static_cast<std::size_t>(v)];
+           e < first_edge_[static_cast<std::size_t>(v) + 1]; ++e) {
+        const Index other = larger[start[v] + (e - first_edge_[static_cast<std::size_t>(v)])];
+        edge_[static_cast<std::size_t>(e)] = {static_cast<Index>(v), other};
+        place_.row(vertices_ + e) = (V.row(v) + V.row(other)) / 2;
+      }
   });
   parallel_for(tets(), kMediumGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t t = begin; t < end; ++t)
@@ -138,69 +172,46 @@ void TetElements::add_middles(const VertexMatrix& V) {
 
 Index TetElements::middle(Index a, Index b) const {
   const std::array<Index, 2> edge{std::min(a, b), std::max(a, b)};
-  const auto at = std::lower_bound(edge_.begin(), edge_.end(), edge);
+  const auto v = static_cast<std::size_t>(edge[0]);
+  const auto at = std::lower_bound(edge_.begin() + first_edge_[v], edge_.begin() + first_edge_[v + 1], edge);
   OVERTET_EXPECTS(at != edge_.end() && *at == edge);
   return vertices_ + static_cast<Index>(at - edge_.begin());
 }
 
-// Of each node its tets, in their order.
-void TetElements::find_incidences() {
-  first_.assign(static_cast<std::size_t>(nodes()) + 1, 0);
+// Meshes are written with neighbouring tets near each other, but vertices in any order: nodes that are taken
+// in the order of the tets find most of what they need in the cache.
+void TetElements::find_sequence() {
+  place_in_sequence_.assign(static_cast<std::size_t>(nodes()), -1);
+  sequence_.reserve(place_in_sequence_.size());
+  const auto take = [&](Index node) {
+    Index& place = place_in_sequence_[static_cast<std::size_t>(node)];
+    if (place >= 0) return;
+    place = static_cast<Index>(sequence_.size());
+    sequence_.push_back(node);
+  };
   for (Index t = 0; t < tets(); ++t)
-    for (int k = 0; k < nodes_each(); ++k) ++first_[static_cast<std::size_t>(node_(t, k)) + 1];
-  for (std::size_t v = 1; v < first_.size(); ++v) first_[v] += first_[v - 1];
-  incidences_.resize(static_cast<std::size_t>(first_.back()));
-  std::vector<std::int64_t> next(first_.begin(), first_.end() - 1);
-  for (Index t = 0; t < tets(); ++t)
-    for (int k = 0; k < nodes_each(); ++k)
-      incidences_[static_cast<std::size_t>(next[static_cast<std::size_t>(node_(t, k))]++)] = {t, k};
+    for (int k = 0; k < nodes_each(); ++k) take(node_(t, k));
+  used_ = static_cast<Index>(sequence_.size());
+  for (Index v = 0; v < nodes(); ++v) take(v);
 }
 
-// entry(t, i, j): what tet t adds for its nodes i and j. Every column is gathered by one thread.
-template <class Entry>
-SymmetricMatrix TetElements::assemble(Entry&& entry) const {
-  const int each = nodes_each();
-  const auto visit = [&](Index column, auto&& f) {
-    for (std::int64_t at = first_[static_cast<std::size_t>(column)];
-         at < first_[static_cast<std::size_t>(column) + 1]; ++at) {
-      const auto& [t, j] = incidences_[static_cast<std::size_t>(at)];
+// fill(t, j, row): what tet t adds in column j. Every column is gathered by one thread. Of `each` nodes a
+// tet, which come first among its nodes.
+template <class Fill>
+SymmetricMatrix TetElements::assemble(int each, const std::vector<Index>& number, Index count,
+                                      Fill&& fill) const {
+  std::vector<Index> node_of(static_cast<std::size_t>(count));
+  for (std::size_t v = 0; v < number.size(); ++v)
+    if (number[v] >= 0) node_of[static_cast<std::size_t>(number[v])] = static_cast<Index>(v);
+  return matrix_of_rows<SymmetricMatrix>(count, count, [&](Index column, RowSums& sums) {
+    std::array<double, 10> row;
+    each_tet_of(node_of[static_cast<std::size_t>(column)], [&](Index t, int j) {
+      fill(t, j, row.data());
       for (int i = 0; i < each; ++i)
-        if (node_(t, i) >= column) f(t, i, j);
-    }
-  };
-  std::vector<std::vector<Index>> rows_of_block(
-      static_cast<std::size_t>((nodes() + kMediumGrain - 1) / kMediumGrain));
-  SymmetricMatrix A(nodes(), nodes());
-  int* const start = A.outerIndexPtr();
-  parallel_for(nodes(), kMediumGrain, [&](std::int64_t begin, std::int64_t end) {
-    std::vector<Index>& all = rows_of_block[static_cast<std::size_t>(begin / kMediumGrain)];
-    std::vector<Index> rows;
-    for (std::int64_t v = begin; v < end; ++v) {
-      rows.clear();
-      visit(static_cast<Index>(v), [&](Index t, int i, int) { rows.push_back(node_(t, i)); });
-      std::sort(rows.begin(), rows.end());
-      rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
-      all.insert(all.end(), rows.begin(), rows.end());
-      start[v + 1] = static_cast<int>(rows.size());
-    }
+        if (const Index n = number[static_cast<std::size_t>(node_(t, i))]; n >= column)
+          sums.add(n, row[static_cast<std::size_t>(i)]);
+    });
   });
-  start[0] = 0;
-  for (Index v = 0; v < nodes(); ++v) start[v + 1] += start[v];
-  A.resizeNonZeros(start[nodes()]);
-  parallel_for(nodes(), kMediumGrain, [&](std::int64_t begin, std::int64_t end) {
-    const std::vector<Index>& all = rows_of_block[static_cast<std::size_t>(begin / kMediumGrain)];
-    std::copy(all.begin(), all.end(), A.innerIndexPtr() + start[begin]);
-    std::fill(A.valuePtr() + start[begin], A.valuePtr() + start[end], 0.0);
-    for (std::int64_t v = begin; v < end; ++v) {
-      const int* const rows = A.innerIndexPtr() + start[v];
-      double* const values = A.valuePtr() + start[v];
-      const auto count = start[v + 1] - start[v];
-      visit(static_cast<Index>(v), [&](Index t, int i, int j) {
-        values[std::lower_bound(rows, rows + count, node_(t, i)) - rows] += entry(t, i, j);
-      });
-    }
-  });
-  return A;
 }
 
 // part(t, i): what tet t adds for its node i.
@@ -209,29 +220,71 @@ Eigen::VectorXd TetElements::gather(Part&& part) const {
   Eigen::VectorXd out(nodes());
   parallel_for(nodes(), kMediumGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t v = begin; v < end; ++v) {
+      const Index node = sequence_[static_cast<std::size_t>(v)];
       double sum = 0;
-      for (std::int64_t at = first_[static_cast<std::size_t>(v)];
-           at < first_[static_cast<std::size_t>(v) + 1]; ++at)
-        sum += part(incidences_[static_cast<std::size_t>(at)].tet,
-                    incidences_[static_cast<std::size_t>(at)].corner);
-      out[v] = sum;
+      each_tet_of(node, [&](Index t, int corner) { sum += part(t, corner); });
+      out[node] = sum;
     }
   });
   return out;
 }
 
-SymmetricMatrix TetElements::stiffness() const {
-  if (order_ == 2)
-    return assemble([&](Index t, int i, int j) { return quadratic_stiffness(shape(t), i, j); });
-  return assemble([&](Index t, int i, int j) {
-    const TetShape& s = shape(t);
-    return s.volume * s.gradient.row(i).dot(s.gradient.row(j));
-  });
+void TetElements::stiffness_row(Index t, int i, double* row) const {
+  const TetShape& s = shape(t);
+  if (order_ == 2) {
+    quadratic_row(products_of(s), i, row);
+    return;
+  }
+  linear_row(s, i, row);
+}
+
+SymmetricMatrix TetElements::stiffness(const std::vector<Index>& number, Index count) const {
+  OVERTET_EXPECTS(std::ssize(number) == nodes());
+  return assemble(nodes_each(), number, count,
+                  [&](Index t, int j, double* row) { stiffness_row(t, j, row); });
+}
+
+SymmetricMatrix TetElements::linear_stiffness(const std::vector<Index>& number, Index count) const {
+  return assemble(4, number, count, [&](Index t, int j, double* row) { linear_row(shape(t), j, row); });
+}
+
+SymmetricMatrix TetElements::stiffness() const { return stiffness(every_node(), nodes()); }
+
+std::vector<Index> TetElements::every_node() const {
+  std::vector<Index> number(static_cast<std::size_t>(nodes()));
+  std::iota(number.begin(), number.end(), 0);
+  return number;
 }
 
 SymmetricMatrix TetElements::mass() const {
   const Eigen::MatrixXd reference = reference_mass(3, order_);
-  return assemble([&](Index t, int i, int j) { return shape(t).volume * reference(i, j); });
+  return assemble(nodes_each(), every_node(), nodes(), [&](Index t, int j, double* row) {
+    for (int i = 0; i < nodes_each(); ++i) row[i] = shape(t).volume * reference(i, j);
+  });
+}
+
+Eigen::VectorXd TetElements::stiffness_times(const Eigen::VectorXd& u) const {
+  OVERTET_EXPECTS(u.size() == nodes());
+  return gather([&](Index t, int i) {
+    std::array<double, 10> row;
+    double sum = 0;
+    bool zero = true;
+    for (int k = 0; k < nodes_each() && zero; ++k) zero = u[node_(t, k)] == 0;
+    if (zero) return sum;
+    stiffness_row(t, i, row.data());
+    for (int k = 0; k < nodes_each(); ++k) sum += row[static_cast<std::size_t>(k)] * u[node_(t, k)];
+    return sum;
+  });
+}
+
+Eigen::VectorXd TetElements::mass_times(const Eigen::VectorXd& f) const {
+  OVERTET_EXPECTS(f.size() == nodes());
+  const Eigen::MatrixXd reference = reference_mass(3, order_);
+  return gather([&](Index t, int i) {
+    double sum = 0;
+    for (int k = 0; k < nodes_each(); ++k) sum += reference(k, i) * f[node_(t, k)];
+    return shape(t).volume * sum;
+  });
 }
 
 Eigen::VectorXd TetElements::lumped_mass() const {
@@ -244,14 +297,14 @@ Eigen::VectorXd TetElements::energy(const Eigen::VectorXd& u) const {
   parallel_for(tets(), kMediumGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t t = begin; t < end; ++t) {
       const auto tet = static_cast<Index>(t);
+      std::array<double, 10> row;
       double sum = 0;
-      for (int i = 0; i < nodes_each(); ++i)
-        for (int j = 0; j < nodes_each(); ++j) {
-          const double k =
-              order_ == 2 ? quadratic_stiffness(shape(tet), i, j)
-                          : shape(tet).volume * shape(tet).gradient.row(i).dot(shape(tet).gradient.row(j));
-          sum += k * u[node(tet, i)] * u[node(tet, j)];
-        }
+      for (int i = 0; i < nodes_each(); ++i) {
+        stiffness_row(tet, i, row.data());
+        double times_u = 0;
+        for (int j = 0; j < nodes_each(); ++j) times_u += row[static_cast<std::size_t>(j)] * u[node(tet, j)];
+        sum += times_u * u[node(tet, i)];
+      }
       out[t] = sum / 2;
     }
   });

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "kernels/parallel/raw_vector.h"
 #include "kernels/sparse/cholesky.h"
 #include "overtet/types.h"
 
@@ -44,8 +45,24 @@ class TetElements {
   // Between two vertices that an edge joins.
   Index middle(Index a, Index b) const;
 
+  // Nodes in the order in which the tets name them first: neighbours are near each other. Those of no tet
+  // come last, from used() on.
+  const std::vector<Index>& sequence() const { return sequence_; }
+  Index used() const { return used_; }
+  // The vertices that a middle lies between. pre: node >= the number of vertices.
+  const std::array<Index, 2>& ends(Index node) const {
+    return edge_[static_cast<std::size_t>(node - vertices_)];
+  }
+
   SymmetricMatrix stiffness() const;  // integrals of grad N_i . grad N_j
   SymmetricMatrix mass() const;       // integrals of N_i N_j
+  // Rows and columns of some nodes: by node their numbers, each of 0 .. count - 1 once; -1: left out.
+  SymmetricMatrix stiffness(const std::vector<Index>& number, Index count) const;
+  // The same of the linear elements in the same tets; number: at least by vertex.
+  SymmetricMatrix linear_stiffness(const std::vector<Index>& number, Index count) const;
+  // Products with these matrices, without making them.
+  Eigen::VectorXd stiffness_times(const Eigen::VectorXd& u) const;
+  Eigen::VectorXd mass_times(const Eigen::VectorXd& f) const;
   // Of linear elements: a quarter of the volume of the tets around each vertex.
   Eigen::VectorXd lumped_mass() const;
   // The integral of |grad u|^2 / 2 over each tet: #T.
@@ -61,9 +78,18 @@ class TetElements {
     int corner;
   };
   void add_middles(const VertexMatrix& V);
-  void find_incidences();
-  template <class Entry>
-  SymmetricMatrix assemble(Entry&& entry) const;
+  void find_sequence();
+  std::vector<Index> every_node() const;
+  void stiffness_row(Index t, int i, double* row) const;
+  // f(t, k) for the tets at a node, its k-th, in their order.
+  template <class F>
+  void each_tet_of(Index node, F&& f) const {
+    const auto at = static_cast<std::size_t>(place_in_sequence_[static_cast<std::size_t>(node)]);
+    for (std::int64_t i = first_[at]; i < first_[at + 1]; ++i)
+      f(incidences_[static_cast<std::size_t>(i)].tet, incidences_[static_cast<std::size_t>(i)].corner);
+  }
+  template <class Fill>
+  SymmetricMatrix assemble(int each, const std::vector<Index>& number, Index count, Fill&& fill) const;
   template <class Part>
   Eigen::VectorXd gather(Part&& part) const;
 
@@ -72,9 +98,13 @@ class TetElements {
   NodeMatrix node_;
   std::vector<TetShape> shape_;
   std::vector<std::array<Index, 2>> edge_;  // of quadratic elements: a < b, sorted
+  std::vector<Index> first_edge_;           // by vertex: of the edges that it is the smaller end of
   Index vertices_ = 0;
-  std::vector<std::int64_t> first_;  // of each node in incidences_
-  std::vector<Incidence> incidences_;
+  std::vector<Index> sequence_, place_in_sequence_;
+  Index used_ = 0;
+  // Of each node, by its place in the sequence.
+  RawVector<std::int64_t> first_;
+  RawVector<Incidence> incidences_;
 };
 
 // The integrals of N_i N_j over a simplex of volume 1, of dimension 2 or 3: nodes are its corners, then

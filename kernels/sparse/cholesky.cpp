@@ -3,6 +3,7 @@
 #include <dlfcn.h>
 #include <suitesparse/cholmod.h>
 
+#include <algorithm>
 #include <cmath>
 #include <mutex>
 #include <stdexcept>
@@ -201,32 +202,46 @@ bool SparseCholesky::factor(const SymmetricMatrix& A) {
   return true;
 }
 
-bool SparseCholesky::solve(const VertexMatrix& B, VertexMatrix& X) const {
+// columns: of the right-hand side, as many as are solved for.
+bool SparseCholesky::solve_columns(Eigen::Index columns) const {
   Impl& m = *impl_;
-  if (!m.factored || B.rows() != m.rows) return false;
-  if (m.rows == 0) {
-    X.resize(0, 3);
-    return true;
-  }
   pin_openmp_to_one_thread();
-  const std::size_t n = static_cast<std::size_t>(m.rows);
-  m.columns.resize(3 * n);
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t k = 0; k < 3; ++k) m.columns[k * n + i] = B(static_cast<Eigen::Index>(i), k);
   cholmod_dense b{};
-  b.nrow = n;
-  b.ncol = 3;
-  b.nzmax = 3 * n;
-  b.d = n;
+  b.nrow = static_cast<std::size_t>(m.rows);
+  b.ncol = static_cast<std::size_t>(columns);
+  b.nzmax = b.nrow * b.ncol;
+  b.d = b.nrow;
   b.x = m.columns.data();
   b.xtype = CHOLMOD_REAL;
   b.dtype = CHOLMOD_DOUBLE;
   const auto turn = blas_turn(m.L);
-  if (!cholmod().solve2(CHOLMOD_A, m.L, &b, nullptr, &m.X, nullptr, &m.Y, &m.E, &m.common)) return false;
+  return cholmod().solve2(CHOLMOD_A, m.L, &b, nullptr, &m.X, nullptr, &m.Y, &m.E, &m.common);
+}
+
+bool SparseCholesky::solve(const VertexMatrix& B, VertexMatrix& X) const {
+  Impl& m = *impl_;
+  if (!m.factored || B.rows() != m.rows) return false;
   X.resize(m.rows, 3);
+  if (m.rows == 0) return true;
+  const std::size_t n = static_cast<std::size_t>(m.rows);
+  m.columns.resize(3 * n);
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t k = 0; k < 3; ++k) m.columns[k * n + i] = B(static_cast<Eigen::Index>(i), k);
+  if (!solve_columns(3)) return false;
   const double* x = static_cast<const double*>(m.X->x);
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t k = 0; k < 3; ++k) X(static_cast<Eigen::Index>(i), k) = x[k * m.X->d + i];
+  return true;
+}
+
+bool SparseCholesky::solve(const Eigen::VectorXd& b, Eigen::VectorXd& x) const {
+  Impl& m = *impl_;
+  if (!m.factored || b.size() != m.rows) return false;
+  x.resize(m.rows);
+  if (m.rows == 0) return true;
+  m.columns.assign(b.data(), b.data() + b.size());
+  if (!solve_columns(1)) return false;
+  std::copy_n(static_cast<const double*>(m.X->x), m.rows, x.data());
   return true;
 }
 

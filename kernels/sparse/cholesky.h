@@ -55,6 +55,8 @@ class SparseCholesky {
   // X = A^-1 B. X may be B. False: factor did not return true, B has another number of rows, or out of
   // memory.
   bool solve(const VertexMatrix& B, VertexMatrix& X) const;
+  // The same of one column. x may be b.
+  bool solve(const Eigen::VectorXd& b, Eigen::VectorXd& x) const;
 
   // Entries of the factor after the last analysis (for reports and memory estimates).
   double factor_entries() const;
@@ -65,6 +67,7 @@ class SparseCholesky {
 
  private:
   struct Impl;
+  bool solve_columns(Eigen::Index columns) const;
   std::unique_ptr<Impl> impl_;
 };
 

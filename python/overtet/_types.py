@@ -313,3 +313,35 @@ def clean_up_of(kind: type, given: Surface, made: dict, **more: Any) -> Any:
         if record[key] is None:
             record[key] = np.arange(count, dtype=np.int32)
     return kind(surface=surface, **record, **more)
+
+
+@dataclass(eq=False)
+class Field:
+    """A field on a tet mesh.
+
+    nodes: #N x 3, the mesh's vertices and, of order 2, the middles of its edges, which follow them. values: #N. energy: the
+    integral of |grad u|^2 / 2. residual: of the linear system, relative to its right-hand side.
+    """
+
+    nodes: np.ndarray
+    values: np.ndarray
+    energy: float
+    residual: float
+
+
+@dataclass(eq=False)
+class Fused:
+    """The mesh that others make, to compare with.
+
+    mesh: its `input_vertex` is -1 also where the quality pass has moved a vertex; `layers` are winding numbers.
+    cut_faces: of the surface, where others cross them. inner_vertices: of the surface, inside this mesh. solid_volume: in
+    which a place counts as often as it is covered.
+    """
+
+    mesh: Mesh
+    cut_faces: int
+    inner_vertices: int
+    surface_components: int
+    components: int
+    solid_volume: float
+    volume: float

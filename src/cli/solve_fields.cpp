@@ -25,6 +25,9 @@ Result<Solution> field_of(const SolveCommand& c, const LabelledTetMesh& mesh, co
                : c.kind == "biharmonic" ? FieldEquation::biharmonic
                                         : FieldEquation::laplace;
   o.order = c.field.order;
+  o.solver = c.field.solver == "direct"      ? LinearSolver::direct
+             : c.field.solver == "iterative" ? LinearSolver::iterative
+                                             : LinearSolver::automatic;
   Result<std::vector<BoundaryValue>> values = conditions_in(c.field.values, mesh),
                                      fluxes = conditions_in(c.field.fluxes, mesh);
   if (!values) return values.error();
@@ -42,6 +45,8 @@ Result<Solution> field_of(const SolveCommand& c, const LabelledTetMesh& mesh, co
   return Solution{"u",
                   std::move(f.values),
                   {{"energy", f.energy},
+                   {"solver", f.solver == LinearSolver::iterative ? "iterative" : "direct"},
+                   {"iterations", f.iterations},
                    {"residual", f.residual},
                    {"factor_entries", f.factor_entries},
                    {"seconds_assembly", f.seconds_assembly},

@@ -29,4 +29,7 @@ Result<SolveSummary> solve_for_weights(const SolveCommand& command, const RunCon
 Result<SolveSummary> solve_for_skin(const SolveCommand& command, const RunContext& context,
                                     const RunContext& writing);
 
+Result<SolveSummary> solve_for_elastic(const SolveCommand& command, const RunContext& context,
+                                       const RunContext& writing);
+
 }  // namespace overtet

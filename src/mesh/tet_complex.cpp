@@ -392,9 +392,16 @@ void TetComplex::compact(Index keep_vertices) {
 
 Index first_not_positive(const TetMesh& mesh) {
   const auto at = [&](Index t, int k) { return mesh.V.data() + 3 * std::int64_t{mesh.T(t, k)}; };
-  for (Index t = 0; t < mesh.T.rows(); ++t)
-    if (orient3d(at(t, 0), at(t, 1), at(t, 2), at(t, 3)) <= 0) return t;
-  return -1;
+  const auto none = static_cast<Index>(mesh.T.rows());
+  const Index first = parallel_reduce(
+      mesh.T.rows(), kLightGrain, none,
+      [&](std::int64_t begin, std::int64_t end) {
+        for (auto t = static_cast<Index>(begin); t < end; ++t)
+          if (orient3d(at(t, 0), at(t, 1), at(t, 2), at(t, 3)) <= 0) return t;
+        return none;
+      },
+      [](Index a, Index b) { return std::min(a, b); });
+  return first < none ? first : -1;
 }
 
 TetMesh TetComplex::to_mesh(Index surface_vertices) const {

@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <string>
 
 #include "kernels/fem/elements.h"
+#include "kernels/sparse/rows.h"
+#include "src/solve/linear_system.h"
 #include "src/solve/parts.h"
 
 namespace overtet {
@@ -19,12 +20,6 @@ using Clock = std::chrono::steady_clock;
 
 double since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
-Error not_finite(const char* what, const Eigen::Vector3d& p) {
-  char text[160];
-  std::snprintf(text, sizeof text, "The %s at (%.6g, %.6g, %.6g) is not finite.", what, p[0], p[1], p[2]);
-  return {ErrorCode::bad_input, text, std::array<double, 3>{p[0], p[1], p[2]}};
-}
-
 // The equations of one field, from the options to the solution.
 class FieldSystem {
  public:
@@ -34,18 +29,32 @@ class FieldSystem {
         context_(context),
         elements_(mesh.mesh.V, mesh.mesh.T, options.order) {}
 
-  Result<Field> solve() {
-    const auto begin = Clock::now();
+  // begin: when the work on the elements began.
+  Result<Field> solve(Clock::time_point begin) {
     if (Status s = give_values(); !s) return s.error();
     if (Status s = every_component_has_one(); !s) return s.error();
     load_ = Eigen::VectorXd::Zero(elements_.nodes());
     if (Status s = add_source(); !s) return s.error();
-    stiffness_ = elements_.stiffness();
+    find_free_nodes();
+    Result<LinearSystem> system =
+        options_.equation == FieldEquation::biharmonic ? fourth_order() : second_order();
+    if (!system) return system.error();
     Field field;
     field.seconds_assembly = since(begin);
-    Status done = options_.equation == FieldEquation::biharmonic ? solve_fourth_order(field)
-                                                                 : solve_second_order(field);
-    if (!done) return done.error();
+    Result<LinearSolution> solution = solved(
+        system.value(),
+        options_.equation == FieldEquation::biharmonic ? LinearSolver::direct : options_.solver, context_);
+    if (!solution) return solution.error();
+    LinearSolution& found = solution.value();
+    field.values = values_;
+    for (std::size_t v = 0; v < number_.size(); ++v)
+      if (number_[v] >= 0) field.values[static_cast<Eigen::Index>(v)] = found.x[number_[v]];
+    field.solver = found.solver;
+    field.iterations = found.iterations;
+    field.residual = found.residual;
+    field.factor_entries = found.factor_entries;
+    field.seconds_factor = found.seconds_factor;
+    field.seconds_solve = found.seconds_solve;
     field.nodes = elements_.places();
     field.energy = elements_.energy(field.values).sum();
     return field;
@@ -65,18 +74,11 @@ class FieldSystem {
   // Calls f(triangle) for those that a condition is given for.
   template <class F>
   Status each_triangle(const BoundaryValue& given, F&& f) const {
-    const std::vector<Index>& labels = mesh_.attributes.labels.of;
-    bool found = false;
-    for (Eigen::Index i = 0; i < mesh_.attributes.triangles.rows(); ++i) {
-      if (given.label && (labels.empty() || labels[static_cast<std::size_t>(i)] != *given.label)) continue;
-      found = true;
+    const Result<std::vector<Index>> triangles = triangles_with(mesh_, given.label);
+    if (!triangles) return triangles.error();
+    for (const Index i : triangles.value())
       if (Status s = f(i); !s) return s;
-    }
-    if (found) return success();
-    return Error{ErrorCode::usage,
-                 given.label ? "No triangle of the mesh has the label " + std::to_string(*given.label) + "."
-                             : std::string("The mesh has no boundary triangles; write it with its boundary, "
-                                           "or give values at vertices.")};
+    return success();
   }
 
   Status give_values() {
@@ -127,7 +129,7 @@ class FieldSystem {
       f[v] = options_.source(p);
       if (!std::isfinite(f[v])) return not_finite("source", p);
     }
-    load_ = times(elements_.mass(), f);
+    load_ = elements_.mass_times(f);
     return success();
   }
 
@@ -156,95 +158,91 @@ class FieldSystem {
     return success();
   }
 
-  // Numbers of the nodes that are to be found; those of no tet are none.
-  std::vector<Index> free_nodes(Index& count) const {
-    std::vector<char> used(static_cast<std::size_t>(elements_.nodes()), 0);
-    for (Index t = 0; t < elements_.tets(); ++t)
-      for (int k = 0; k < elements_.nodes_each(); ++k)
-        used[static_cast<std::size_t>(elements_.node(t, k))] = 1;
-    std::vector<Index> number(used.size(), -1);
-    count = 0;
-    for (std::size_t v = 0; v < number.size(); ++v)
-      if (used[v] && !given_[v]) number[v] = count++;
-    return number;
+  // Numbers of the nodes that are to be found, in the order of the tets; those of no tet are none.
+  void find_free_nodes() {
+    number_.assign(static_cast<std::size_t>(elements_.nodes()), -1);
+    for (Index k = 0; k < elements_.used(); ++k)
+      if (const auto v = static_cast<std::size_t>(elements_.sequence()[static_cast<std::size_t>(k)]);
+          !given_[v])
+        number_[v] = count_++;
   }
 
-  // Solves A x = b for the free nodes; the others have their values. b: of the free nodes, those moved over
-  // already.
-  Status solve_free(const SymmetricMatrix& A, const Eigen::VectorXd& b, const std::vector<Index>& number,
-                    Field& field) {
-    auto begin = Clock::now();
-    Result<SparseCholesky> factor = factored(A, context_);
-    if (!factor) return factor.error();
-    field.factor_entries = factor.value().factor_entries();
-    field.seconds_factor = since(begin);
-    begin = Clock::now();
-    VertexMatrix right = VertexMatrix::Zero(b.size(), 3), left;
-    right.col(0) = b;
-    if (b.size() > 0 && !factor.value().solve(right, left))
-      return Error{ErrorCode::limit, "There is not enough memory to solve this system."};
-    field.values = values_;
-    if (b.size() > 0) {
-      const Eigen::VectorXd x = left.col(0);
-      for (std::size_t v = 0; v < number.size(); ++v)
-        if (number[v] >= 0) field.values[static_cast<Eigen::Index>(v)] = x[number[v]];
-      const double size = b.norm();
-      field.residual = (times(A, x) - b).norm() / (size > 0 ? size : 1);
-    }
-    field.seconds_solve = since(begin);
-    return success();
-  }
-
-  Eigen::VectorXd of_free(const Eigen::VectorXd& all, const std::vector<Index>& number, Index count) const {
-    Eigen::VectorXd out(count);
-    for (std::size_t v = 0; v < number.size(); ++v)
-      if (number[v] >= 0) out[number[v]] = all[static_cast<Eigen::Index>(v)];
+  Eigen::VectorXd of_free(const Eigen::VectorXd& all) const {
+    Eigen::VectorXd out(count_);
+    for (std::size_t v = 0; v < number_.size(); ++v)
+      if (number_[v] >= 0) out[number_[v]] = all[static_cast<Eigen::Index>(v)];
     return out;
   }
 
-  Status solve_second_order(Field& field) {
-    if (Status s = add_fluxes(load_); !s) return s;
+  // Of the free nodes: K u = (source and fluxes).
+  Result<LinearSystem> second_order() {
+    if (Status s = add_fluxes(load_); !s) return s.error();
+    LinearSystem out;
+    out.A = elements_.stiffness(number_, count_);
+    out.b = of_free(load_ - elements_.stiffness_times(values_));
+    if (options_.order == 2) out.coarser = linear_elements();
+    return out;
+  }
+
+  // A linear function is a quadratic one with the mean of its ends in the middle of an edge.
+  LinearSystem::Coarser linear_elements() const {
+    const auto vertices = static_cast<std::size_t>(mesh_.mesh.V.rows());
+    std::vector<Index> number(vertices, -1), node_of(static_cast<std::size_t>(count_));
     Index count = 0;
-    const std::vector<Index> number = free_nodes(count);
-    const Eigen::VectorXd right = load_ - times(stiffness_, values_);
-    return solve_free(kept_part(stiffness_, number, count), of_free(right, number, count), number, field);
+    for (const Index v : elements_.sequence()) {
+      if (number_[static_cast<std::size_t>(v)] < 0) continue;
+      node_of[static_cast<std::size_t>(number_[static_cast<std::size_t>(v)])] = v;
+      if (static_cast<std::size_t>(v) < vertices) number[static_cast<std::size_t>(v)] = count++;
+    }
+    LinearSystem::Coarser out;
+    out.A = elements_.linear_stiffness(number, count);
+    out.prolongation = matrix_of_rows<RowMatrix>(count_, count, [&](Index row, RowSums& sums) {
+      const auto v = static_cast<std::size_t>(node_of[static_cast<std::size_t>(row)]);
+      if (v < vertices) {
+        sums.add(number[v], 1);
+        return;
+      }
+      for (const Index end : elements_.ends(static_cast<Index>(v)))
+        if (const Index n = number[static_cast<std::size_t>(end)]; n >= 0) sums.add(n, 0.5);
+    });
+    return out;
   }
 
   // M v = K u - (fluxes), K v = M f where u is free [for instance Ciarlet and Raviart 1974], v eliminated.
-  Status solve_fourth_order(Field& field) {
+  Result<LinearSystem> fourth_order() const {
     Eigen::VectorXd fluxes = Eigen::VectorXd::Zero(elements_.nodes());
-    if (Status s = add_fluxes(fluxes); !s) return s;
-    Index count = 0;
-    const std::vector<Index> number = free_nodes(count);
+    if (Status s = add_fluxes(fluxes); !s) return s.error();
     Eigen::VectorXd inverse = elements_.lumped_mass();
     for (double& m : inverse) m = m > 0 ? 1 / m : 0;
     using Matrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
-    const Matrix K = stiffness_.selfadjointView<Eigen::Lower>();
-    Matrix columns(K.rows(), count);  // of the free nodes
+    const SymmetricMatrix stiffness = elements_.stiffness();
+    const Matrix K = stiffness.selfadjointView<Eigen::Lower>();
+    Matrix columns(K.rows(), count_);  // of the free nodes
     columns.reserve(K.nonZeros());
-    for (Eigen::Index j = 0; j < K.outerSize(); ++j) {
-      const Index column = number[static_cast<std::size_t>(j)];
+    for (const Index j : elements_.sequence()) {
+      const Index column = number_[static_cast<std::size_t>(j)];
       if (column < 0) continue;
       columns.startVec(column);
       for (Matrix::InnerIterator it(K, j); it; ++it) columns.insertBack(it.row(), column) = it.value();
     }
     columns.finalize();
     const Matrix product = columns.transpose() * inverse.asDiagonal() * columns;
-    const SymmetricMatrix A = product.triangularView<Eigen::Lower>();
-    const Eigen::VectorXd known = times(stiffness_, values_) - fluxes;
-    const Eigen::VectorXd right =
-        of_free(load_, number, count) - columns.transpose() * (inverse.asDiagonal() * known);
-    return solve_free(A, right, number, field);
+    const Eigen::VectorXd known = elements_.stiffness_times(values_) - fluxes;
+    LinearSystem out;
+    out.A = product.triangularView<Eigen::Lower>();
+    out.b = of_free(load_) - columns.transpose() * (inverse.asDiagonal() * known);
+    return out;
   }
 
   const LabelledTetMesh& mesh_;
   const FieldOptions& options_;
   const RunContext& context_;
   const TetElements elements_;
-  SymmetricMatrix stiffness_;
   std::vector<char> given_;  // by node
   Eigen::VectorXd values_;   // 0 where none is given
   Eigen::VectorXd load_;
+  std::vector<Index> number_;  // of the free nodes, -1: of others
+  Index count_ = 0;            // of free nodes
 };
 
 }  // namespace
@@ -254,6 +252,8 @@ Status FieldOptions::validate() const {
   if (order != 1 && order != 2) return wrong("Elements are of order 1 or 2.");
   if (equation == FieldEquation::biharmonic && order == 2)
     return wrong("The biharmonic equation is solved with elements of order 1.");
+  if (equation == FieldEquation::biharmonic && solver == LinearSolver::iterative)
+    return wrong("The biharmonic equation is solved directly.");
   if (equation == FieldEquation::laplace && source)
     return wrong("Laplace's equation has no source; with one it is Poisson's.");
   if (values.empty()) return wrong("No value is given anywhere, so that the field is not determined.");
@@ -268,8 +268,9 @@ Status FieldOptions::validate() const {
 namespace solve_detail {
 
 Result<Field> field(const LabelledTetMesh& mesh, const FieldOptions& options, const RunContext& context) {
+  const auto begin = Clock::now();
   if (Status s = check(mesh.mesh); !s) return s.error();
-  return FieldSystem(mesh, options, context).solve();
+  return FieldSystem(mesh, options, context).solve(begin);
 }
 
 }  // namespace solve_detail

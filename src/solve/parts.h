@@ -1,9 +1,11 @@
 // What the solvers share. Internal to src/solve.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "kernels/sparse/cholesky.h"
+#include "overtet/attributes.h"
 #include "overtet/result.h"
 #include "overtet/run_context.h"
 #include "overtet/types.h"
@@ -17,6 +19,12 @@ struct Components {
   std::vector<Index> first_tet;
 };
 Components components_of(const VertexMatrix& V, const TetMatrix& T);
+
+// The boundary triangles with this label, or all; at least one. Errors: usage.
+Result<std::vector<Index>> triangles_with(const LabelledTetMesh& mesh, const std::optional<Index>& label);
+
+// That a function's value is not.
+Error not_finite(const char* what, const Eigen::Vector3d& place);
 
 // Errors: bad_input, where a tet is not positive.
 Status check(const TetMesh& mesh);

@@ -1,7 +1,12 @@
 // What can be chosen in this room, with units and reasons.
 #pragma once
 
+#include <cstddef>
+
 namespace overtet {
+
+// Unknowns of a field from which on multigrid solves faster than a factor (perf/README.md).
+constexpr std::ptrdiff_t kMultigridUnknowns = 500;
 
 // Interior point method: the share of the way to the border that a step goes, as it must not arrive there;
 // most steps (20 to 40 are usual); and the gaps, parts of the energy, at which the active set method has a
@@ -23,5 +28,16 @@ constexpr double kInTet = 1e-9;
 // Barycentric coordinate from which on a corner is held by what goes through its tet: more than kInTet can
 // make of a tet that is only touched.
 constexpr double kHeldCorner = 1e-6;
+
+// Of the way on which the first tet becomes flat, the part that is gone at most: what is left is room for the
+// next step, which is limited in the same way.
+constexpr double kWayToFlat = 0.9;
+
+// Parts that a frame of an elastic body is cut into at most, doubled each time: what a 64th of a frame does
+// not bring about, a smaller part seldom does.
+constexpr int kMostParts = 64;
+
+// Pairs of steps and changes of the gradient that L-BFGS remembers [Liu, Bouaziz, Kavan 2017 take 5].
+constexpr int kRemembered = 5;
 
 }  // namespace overtet
