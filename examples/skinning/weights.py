@@ -11,6 +11,7 @@ usage: weights.py [OVERTET] [--keep DIR]
 """
 import json
 import os
+import subprocess
 import sys
 
 import numpy
@@ -59,6 +60,21 @@ def write_json(path, what):
         json.dump(what, file, indent=1)
 
 
+def weights(overtet, mesh, folder):
+    """The names of the bones, and of each the weight at each vertex: #V x #H."""
+    handles, made = os.path.join(folder, "hand.json"), os.path.join(folder, "weights.csv")
+    write_json(handles, skeleton())
+    subprocess.run([overtet, "solve", "weights", mesh, "--handles", handles, "-o", made, "--quiet"], check=True)
+    with open(made, encoding="ascii") as file:
+        names = file.readline().strip().split(",")[1:]
+    return names, numpy.loadtxt(made, delimiter=",", skiprows=1)[:, 1:]
+
+
+def of_finger(names, W):
+    """The weight of the finger beyond its first joint."""
+    return W[:, [k for k, name in enumerate(names) if name.startswith(FINGER) and not name.endswith("_1")]].sum(axis=1)
+
+
 def main():
     example = overlap.Example(__doc__, {"numpy": "python3-numpy"})
     points, faces, groups = hand.hand("fist")
@@ -71,23 +87,17 @@ def main():
     n = len(points)
     example.equal("vertices of the surface at their places", int(numpy.sum(numpy.all(P[:n] == points, axis=1))), n)
 
-    handles, weights = example.path("hand.json"), example.path("weights.csv")
-    write_json(handles, skeleton())
-    example.run(example.program, "solve", "weights", mesh, "--handles", handles, "-o", weights)
-    with open(weights, encoding="ascii") as file:
-        names = file.readline().split(",")[1:]
-    W = numpy.loadtxt(weights, delimiter=",", skiprows=1)[:, 1:]
+    names, W = weights(example.program, mesh, example.folder)
     example.between("smallest weight", W.min(), 0, 0)
     example.between("largest weight", W.max(), 1, 1)
     example.small("difference between the sum of a vertex's weights and 1", abs(W.sum(axis=1) - 1).max())
-    # The whole finger beyond its first joint.
-    weight = W[:, [k for k, name in enumerate(names) if name.startswith(FINGER) and not name.strip().endswith("_1")]].sum(axis=1)
+    weight = of_finger(names, W)
 
     # At the fingertip's middle there are two tets, with two weights.
     rest = hand.rest()[0]
-    of_finger = numpy.zeros(n, bool)
-    of_finger[faces[groups == hand.GROUPS.index(FINGER)]] = True
-    end = of_finger & (rest[:, 1] > hand.KNUCKLES + 0.9 * hand.LENGTH[FINGER])
+    mine = numpy.zeros(n, bool)
+    mine[faces[groups == hand.GROUPS.index(FINGER)]] = True
+    end = mine & (rest[:, 1] > hand.KNUCKLES + 0.9 * hand.LENGTH[FINGER])
     place = points[end].mean(axis=0)
     hit, inside = overlap.tets_at(P, T, place)
     example.equal("tets at one place, inside both the fingertip and the palm", len(hit), 2)
@@ -99,8 +109,8 @@ def main():
     pose = example.path("pose.json")
     write_json(pose, {f"{FINGER}_2": {"axis": [1, 0, 0], "degrees": -30}})
     posed = example.path("posed.mesh")
-    print("       " + example.run(example.program, "solve", "skin", mesh, "--weights", weights, "--handles", handles, "--pose", pose,
-                                  "-o", posed).strip())
+    print("       " + example.run(example.program, "solve", "skin", mesh, "--weights", example.path("weights.csv"),
+                                  "--handles", example.path("hand.json"), "--pose", pose, "-o", posed).strip())
     moved = numpy.linalg.norm(read_mesh(posed)[0] - P, axis=1)
     palm, finger = sorted(float(w @ moved[T[t]]) for t, w in zip(hit, inside))
     example.between("way of that place in the finger", finger, 0.5, 5)
