@@ -2,7 +2,6 @@
 import json
 import math
 import os
-import shutil
 import struct
 import subprocess
 import sys
@@ -110,29 +109,6 @@ def check_glb(file, W, names, bones):
     assert f"{len(p)} vertices" in run("inspect", file("skin.glb"))
 
 
-def in_blender(file, names):
-    """Blender finds the skeleton and the weights, where it is installed."""
-    if shutil.which("blender") is None:
-        print("SKIPPED: Blender is not installed, so that it does not read the skin.", file=sys.stderr)
-        return
-    script = """
-import bpy, json, numpy
-numpy.bool = bool  # Debian 12 has a numpy that is too new for its importer
-bpy.ops.wm.read_factory_settings(use_empty=True)
-bpy.ops.import_scene.gltf(filepath=%r)
-skin = next(o for o in bpy.data.objects if o.type == 'MESH' and o.vertex_groups)
-armature = next(o for o in bpy.data.objects if o.type == 'ARMATURE')
-print('FOUND ' + json.dumps([sorted(g.name for g in skin.vertex_groups), sorted(b.name for b in armature.data.bones)]))
-"""
-    write(file("look.py"), script % file("skin.glb"))
-    done = subprocess.run(["blender", "--background", "--factory-startup", "--python-exit-code", "1", "--python", file("look.py")],
-                          capture_output=True, text=True, check=False, env=dict(os.environ, HOME=file("")))
-    found = [line for line in done.stdout.splitlines() if line.startswith("FOUND ")]
-    assert done.returncode == 0 and found, done.stdout[-3000:] + done.stderr[-3000:]
-    groups, bones = json.loads(found[0][6:])
-    assert groups == sorted(names) and set(names) <= set(bones), (groups, bones)
-
-
 def main():
     with tempfile.TemporaryDirectory() as folder:
         def file(name):
@@ -169,7 +145,6 @@ def main():
         said = run("solve", "weights", *mesh, "-o", file("skin.glb"))
         assert "handles a vertex" in said, said
         check_glb(file, W, names, bones)
-        in_blender(file, names)
         # TGF, as libigl's examples have it.
         tgf = "".join(f"{k + 1} {' '.join(map(repr, axis(5 + 20 * k)))}\n" for k in range(20))
         write(file("h.tgf"), tgf + "#\n" + "".join(f"{k + 1} {k + 2} 1 0 0\n" for k in range(19)))
