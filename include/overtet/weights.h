@@ -140,6 +140,11 @@ Result<Handles> read_handles(const std::string& path);
 // JSON: of each handle that moves, by name, its motion (docs/handles.md). Errors: bad_input, io.
 Result<std::vector<HandlePose>> read_pose(const std::string& path, const Handles& handles);
 
+// The same of JSON in memory; messages call it `name`.
+Result<Handles> parse_handles(std::string_view name, std::string_view json);
+Result<std::vector<HandlePose>> parse_pose(std::string_view name, std::string_view json,
+                                           const Handles& handles);
+
 // Weights as text: a line a vertex, a column a handle, with a first line of names. Numbers read back as the
 // same doubles. Errors: usage (sizes), io.
 Status write_weights_csv(const std::string& path, const Handles& handles, const Eigen::MatrixXd& weights,

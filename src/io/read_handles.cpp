@@ -259,7 +259,7 @@ Result<Handles> read_tgf(std::string_view file, std::string_view text) {
   return out;
 }
 
-Result<Json> json_of(std::string_view file, const std::string& text) {
+Result<Json> json_of(std::string_view file, std::string_view text) {
   Json j = Json::parse(text, nullptr, false);
   if (j.is_discarded()) return in_file(file, "this is no JSON");
   return j;
@@ -298,34 +298,41 @@ Status read_motion(std::string_view file, const std::string& name, const Json& j
 
 }  // namespace
 
+Result<Handles> parse_handles(std::string_view name, std::string_view json) {
+  const Result<Json> j = json_of(name, json);
+  if (!j) return j.error();
+  return HandleReader(name).read(j.value());
+}
+
 Result<Handles> read_handles(const std::string& path) {
   const Result<std::string> text = read_file(path);
   if (!text) return text.error();
-  if (io_detail::parts_of_name(path).extension == "tgf") return read_tgf(path, text.value());
-  const Result<Json> j = json_of(path, text.value());
+  return io_detail::parts_of_name(path).extension == "tgf" ? read_tgf(path, text.value())
+                                                           : parse_handles(path, text.value());
+}
+
+Result<std::vector<HandlePose>> parse_pose(std::string_view file, std::string_view json,
+                                           const Handles& handles) {
+  const Result<Json> j = json_of(file, json);
   if (!j) return j.error();
-  return HandleReader(path).read(j.value());
+  if (!j.value().is_object())
+    return in_file(file, "a pose is an object: of each handle that moves, by its name, its motion");
+  std::vector<HandlePose> out(handles.handles.size());
+  for (const auto& [name, motion] : j.value().items()) {
+    const std::string known = one_line(name);
+    const auto found = std::find_if(handles.handles.begin(), handles.handles.end(),
+                                    [&](const Handle& h) { return h.name == known; });
+    if (found == handles.handles.end())
+      return in_file(file, overtet::quoted(name) + " is none of the handles");
+    HandlePose& pose = out[static_cast<std::size_t>(found - handles.handles.begin())];
+    if (Status s = read_motion(file, name, motion, pose); !s) return s.error();
+  }
+  return out;
 }
 
 Result<std::vector<HandlePose>> read_pose(const std::string& path, const Handles& handles) {
   const Result<std::string> text = read_file(path);
-  if (!text) return text.error();
-  const Result<Json> j = json_of(path, text.value());
-  if (!j) return j.error();
-  if (!j.value().is_object())
-    return in_file(path, "a pose is an object: of each handle that moves, by its name, its motion");
-  std::vector<HandlePose> out(handles.handles.size());
-  for (const auto& [name, motion] : j.value().items()) {
-    const auto found = std::find_if(handles.handles.begin(), handles.handles.end(),
-                                    [&](const Handle& h) { return h.name == one_line(name); });
-    if (found == handles.handles.end())
-      return in_file(path, overtet::quoted(name) + " is none of the handles");
-    if (Status s =
-            read_motion(path, name, motion, out[static_cast<std::size_t>(found - handles.handles.begin())]);
-        !s)
-      return s.error();
-  }
-  return out;
+  return text ? parse_pose(path, text.value(), handles) : Result<std::vector<HandlePose>>(text.error());
 }
 
 }  // namespace overtet
