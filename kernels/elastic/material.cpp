@@ -2,11 +2,11 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <cmath>
 #include <limits>
 
 #include "kernels/core/assertions.h"
+#include "kernels/core/tuning.h"
 #include "kernels/elastic/tuning.h"
 
 namespace overtet {
@@ -57,12 +57,32 @@ struct Frame {
   Vector3d sigma;
 };
 
+// The rotation nearest to F, by Newton's method on X'X = I, scaled [Higham 1986]: X becomes the mean of
+// itself and its inverse transposed. pre: det F > 0.
+Matrix3d rotation_of(const Matrix3d& F) {
+  Matrix3d X = F;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const Matrix3d C = cofactors(X), inverse = C / X.col(0).dot(C.col(0));
+    const double scale = std::sqrt(inverse.norm() / X.norm());
+    const Matrix3d next = (scale * X + inverse / scale) / 2;
+    const bool near =
+        (next - X).squaredNorm() <= kRounding * kPrecise;  // the next one is exact but for rounding
+    X = next;
+    if (near) {
+      const Matrix3d D = cofactors(X);
+      return (X + D / X.col(0).dot(D.col(0))) / 2;
+    }
+  }
+  return X;
+}
+
 // pre: det F > 0.
 Frame frame_of(const Matrix3d& F) {
-  const Eigen::JacobiSVD<Matrix3d> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Frame f{svd.matrixU(), svd.matrixV(), svd.singularValues()};
-  // Both are reflections, or neither is.
-  if (f.U.determinant() < 0) f.U.col(2) *= -1, f.V.col(2) *= -1;
+  const Matrix3d R = rotation_of(F), S = R.transpose() * F;
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> e((S + S.transpose()) / 2);
+  Frame f{Matrix3d(), e.eigenvectors(), e.eigenvalues()};
+  if (f.V.determinant() < 0) f.V.col(2) *= -1;
+  f.U = R * f.V;
   return f;
 }
 
@@ -152,9 +172,9 @@ double energy_density(const ElasticLaw& law, const Matrix3d& G) {
       break;
     }
     case ElasticMaterial::corotated: {
-      const Vector3d s = Eigen::JacobiSVD<Matrix3d>(Matrix3d::Identity() + G).singularValues();
-      const double sum = s.sum() - 3;
-      energy += l.mu * (s.array() - 1).matrix().squaredNorm() + l.lambda / 2 * sum * sum;
+      const Matrix3d F = Matrix3d::Identity() + G, R = rotation_of(F);
+      const double trace = R.cwiseProduct(F).sum() - 3;
+      energy += l.mu * (F - R).squaredNorm() + l.lambda / 2 * trace * trace;
       break;
     }
     case ElasticMaterial::neo_hookean: {
@@ -182,9 +202,8 @@ Matrix3d piola_stress(const ElasticLaw& law, const Matrix3d& G) {
       break;
     }
     case ElasticMaterial::corotated: {
-      const Frame f = frame_of(F);
-      const Vector3d s = (2 * l.mu * (f.sigma.array() - 1) + l.lambda * (f.sigma.sum() - 3)).matrix();
-      P = f.U * s.asDiagonal() * f.V.transpose();
+      const Matrix3d R = rotation_of(F);
+      P = 2 * l.mu * (F - R) + l.lambda * (R.cwiseProduct(F).sum() - 3) * R;
       break;
     }
     case ElasticMaterial::neo_hookean: {

@@ -201,7 +201,7 @@ Error ElasticMotion::stuck(const ElasticMinimum& last) const {
       text, sizeof text,
       "What is held cannot be moved so far in one frame, even in %d parts: tet %d (counted from 0), near "
       "(%.6g, %.6g, %.6g), would become flat. Move it less, in more frames, or another way.",
-      kMostParts, last.flat, p[0], p[1], p[2]);
+      kMostFrameParts, last.flat, p[0], p[1], p[2]);
   return {ErrorCode::unsolved, text, std::array<double, 3>{p[0], p[1], p[2]}};
 }
 
@@ -217,7 +217,7 @@ Result<ElasticStep> ElasticMotion::step(const RunContext& context) {
     const Result<bool> done = advance(step.parts, end.value(), step, last, context);
     if (!done) return done.error();
     if (done.value()) break;
-    if (step.parts == kMostParts) return stuck(last);
+    if (step.parts == kMostFrameParts) return stuck(last);
   }
   ++now_.frames;
   now_.time = step.time = time;

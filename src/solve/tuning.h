@@ -35,7 +35,7 @@ constexpr double kWayToFlat = 0.9;
 
 // Parts that a frame of an elastic body is cut into at most, doubled each time: what a 64th of a frame does
 // not bring about, a smaller part seldom does.
-constexpr int kMostParts = 64;
+constexpr int kMostFrameParts = 64;
 
 // Pairs of steps and changes of the gradient that L-BFGS remembers [Liu, Bouaziz, Kavan 2017 take 5].
 constexpr int kRemembered = 5;
