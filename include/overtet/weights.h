@@ -140,12 +140,19 @@ Result<Handles> read_handles(const std::string& path);
 // JSON: of each handle that moves, by name, its motion (docs/handles.md). Errors: bad_input, io.
 Result<std::vector<HandlePose>> read_pose(const std::string& path, const Handles& handles);
 
+// The same of what is in memory; messages call it `name`, whose ending says what it is.
+Result<Handles> parse_handles(std::string_view name, std::string_view text);
+Result<std::vector<HandlePose>> parse_pose(std::string_view name, std::string_view json,
+                                           const Handles& handles);
+
 // Weights as text: a line a vertex, a column a handle, with a first line of names. Numbers read back as the
 // same doubles. Errors: usage (sizes), io.
 Status write_weights_csv(const std::string& path, const Handles& handles, const Eigen::MatrixXd& weights,
                          const RunContext& context = {});
 // By the names of the handles, columns in any order. Errors: bad_input (the message names the line), io.
 Result<Eigen::MatrixXd> read_weights_csv(const std::string& path, const Handles& handles);
+Result<Eigen::MatrixXd> parse_weights_csv(std::string_view name, std::string_view text,
+                                          const Handles& handles);
 
 // The boundary as a skinned mesh of glTF 2 (.glb): a node a handle at its head, JOINTS_n and WEIGHTS_n of
 // four each (two of them at most), inverse bind matrices. Positions and weights are floats; a weight that is

@@ -58,8 +58,8 @@ ElasticOptions options_of(const py::dict& given, PythonFunctions& functions) {
   o.integrator = given["integrator"].cast<std::string>() == "bdf2" ? ElasticIntegrator::bdf2
                                                                    : ElasticIntegrator::implicit_euler;
   if (!given["method"].is_none())
-    o.method = given["method"].cast<std::string>() == "newton" ? ElasticMethod::newton
-                                                               : ElasticMethod::quasi_newton;
+    o.method =
+        given["method"].cast<std::string>() == "newton" ? ElasticMethod::newton : ElasticMethod::quasi_newton;
   o.time_step = given["step"].cast<double>();
   o.frames = given["frames"].cast<int>();
   o.tolerance = given["tolerance"].cast<double>();
@@ -73,8 +73,8 @@ class Body {
   Body(const py::dict& mesh, const py::dict& options, const py::dict& run) {
     const LabelledTetMesh tets = labelled_tets_of(mesh);
     const ElasticOptions o = options_of(options, functions_);
-    body_ = std::make_unique<Elastic>(value_of(
-        call(run, [&](const RunContext& context) { return Elastic::prepare(tets, o, context); })));
+    body_ = std::make_unique<Elastic>(
+        value_of(call(run, [&](const RunContext& context) { return Elastic::prepare(tets, o, context); })));
   }
 
   py::dict step(const py::dict& run) {

@@ -16,8 +16,8 @@ namespace overtet::python {
 
 namespace py = pybind11;
 
-// What the first of them raises is kept, and raised when the library has returned. It must outlive what it gives, in
-// the place where it was.
+// What the first of them raises is kept, and raised when the library has returned. It must outlive what it
+// gives, in the place where it was.
 class PythonFunctions {
  public:
   PythonFunctions() = default;

@@ -14,6 +14,7 @@
 #include "python/core/elastic.h"
 #include "python/core/records.h"
 #include "python/core/solve.h"
+#include "python/core/weights.h"
 
 namespace overtet::python {
 
@@ -350,6 +351,7 @@ PYBIND11_MODULE(_core, m) {
   m.def("fused", &fused_);
   add_solvers(m);
   add_elastic(m);
+  add_weights(m);
   m.def("version", &version);
   m.def("usable_memory_bytes", &usable_memory_bytes);
   m.def("usable_cores", &usable_cores);

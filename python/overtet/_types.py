@@ -382,3 +382,33 @@ class Fused:
     components: int
     solid_volume: float
     volume: float
+
+
+@dataclass(eq=False)
+class SkinningWeights:
+    """How much each handle moves each vertex of a mesh.
+
+    names: of the handles. weights: #V x #H. handles: as they were given. Of each handle: energy (that is least), residual (of
+    the conditions of optimality), end ("exact", "gap" or "stalled": less exact than usual), held (vertices at which
+    its weight is given), cut_at (of a bone: the part of its length that counts). shared: vertices that several handles
+    hold.
+    """
+
+    handles: Any
+    names: List[str]
+    weights: np.ndarray
+    energy: np.ndarray
+    residual: np.ndarray
+    end: List[str]
+    held: np.ndarray
+    cut_at: np.ndarray
+    shared: int
+
+
+@dataclass(eq=False)
+class Skinned:
+    """A mesh in a pose. flipped: how many of its tets are not positive any more; first_flipped: -1 or the first of them."""
+
+    mesh: Mesh
+    flipped: int
+    first_flipped: int

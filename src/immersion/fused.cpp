@@ -103,19 +103,19 @@ class Fusing {
   }
 
   void number_vertices() {
-    constexpr Index kUnused = -1, kInner = -2, kBoundary = -3;
-    number_.assign(static_cast<std::size_t>(tets_.V.rows()), kUnused);
+    const Index unused = -1, inner = -2, boundary = -3;
+    number_.assign(static_cast<std::size_t>(tets_.V.rows()), unused);
     for (Index t = 0; t < tets_.T.rows(); ++t)
       for (int k = 0; k < 4; ++k)
-        if (covered(t)) number_[tets_.T(t, k)] = kInner;
+        if (covered(t)) number_[tets_.T(t, k)] = inner;
     each_boundary_face([&](Index, int, const std::array<Index, 3>& face) {
-      for (const Index v : face) number_[v] = kBoundary;
+      for (const Index v : face) number_[v] = boundary;
     });
     for (Index& n : number_)
-      if (n == kBoundary) n = vertices_++;
+      if (n == boundary) n = vertices_++;
     boundary_vertices_ = vertices_;
     for (Index& n : number_)
-      if (n == kInner) n = vertices_++;
+      if (n == inner) n = vertices_++;
   }
 
   const CellMesh& cells_;

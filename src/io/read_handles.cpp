@@ -1,5 +1,6 @@
 // Handles and poses: JSON and TGF (overtet/weights.h, docs/handles.md).
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <map>
@@ -118,13 +119,9 @@ class HandleReader {
     if (j.contains("head")) {
       HandlePlace head;
       if (Status s = end(j, "head", "layer", what, head); !s) return s;
-      h.place = -1;
-      if (!head.layer)
-        for (const Handle& other : out_.handles)
-          if (h.place < 0 && other.bone())
-            for (const int place : {other.tail, other.place})
-              if (h.place < 0 && same(out_.places[static_cast<std::size_t>(place)], head)) h.place = place;
-      if (h.place < 0) h.place = add_place(head);
+      const auto there = ends_.find(key(head));
+      h.place = there != ends_.end() && !head.layer ? there->second : add_place(head);
+      ends_.emplace(key(head), h.place);
     } else {
       const auto found = numbers_.find(parent);
       if (found == numbers_.end() || !out_.handles[static_cast<std::size_t>(found->second)].bone())
@@ -134,11 +131,14 @@ class HandleReader {
     HandlePlace tail;
     if (Status s = end(j, "tail", "tail_layer", what, tail); !s) return s;
     h.tail = add_place(tail);
+    ends_.emplace(key(tail), h.tail);
     return success();
   }
 
-  static bool same(const HandlePlace& a, const HandlePlace& b) {
-    return a.vertex || b.vertex ? a.vertex == b.vertex : a.position == b.position;
+  using Key = std::array<double, 4>;
+  static Key key(const HandlePlace& p) {
+    return p.vertex ? Key{static_cast<double>(*p.vertex), 0, 0, 1}
+                    : Key{p.position[0], p.position[1], p.position[2], 0};
   }
 
   int add_place(const HandlePlace& place) {
@@ -187,6 +187,7 @@ class HandleReader {
   std::string_view file_;
   Handles out_;
   std::map<std::string, int> numbers_;  // of the handles, by name
+  std::map<Key, int> ends_;             // of bones: the first place there
 };
 
 // Points of no bone are handles, then the bones.
@@ -242,16 +243,16 @@ Result<Handles> read_tgf(std::string_view file, std::string_view text) {
       out.handles.push_back(h);
     }
   const int first = static_cast<int>(out.handles.size());
+  std::map<int, int> ending;  // the first bone that ends at a place
+  for (std::size_t i = 0; i < bones.size(); ++i) ending.emplace(bones[i][1], static_cast<int>(i));
   for (std::size_t i = 0; i < bones.size(); ++i) {
     Handle h;
     h.name = "bone_" + std::to_string(i + 1);
     h.place = bones[i][0];
     h.tail = bones[i][1];
-    for (std::size_t p = 0; p < bones.size(); ++p)
-      if (p != i && bones[p][1] == h.place) {
-        h.parent = first + static_cast<int>(p);
-        break;
-      }
+    if (const auto before = ending.find(h.place);
+        before != ending.end() && before->second != static_cast<int>(i))
+      h.parent = first + before->second;
     out.handles.push_back(h);
   }
   if (Status s = out.validate(); !s)
@@ -259,7 +260,7 @@ Result<Handles> read_tgf(std::string_view file, std::string_view text) {
   return out;
 }
 
-Result<Json> json_of(std::string_view file, const std::string& text) {
+Result<Json> json_of(std::string_view file, std::string_view text) {
   Json j = Json::parse(text, nullptr, false);
   if (j.is_discarded()) return in_file(file, "this is no JSON");
   return j;
@@ -298,34 +299,41 @@ Status read_motion(std::string_view file, const std::string& name, const Json& j
 
 }  // namespace
 
+Result<Handles> parse_handles(std::string_view name, std::string_view text) {
+  if (io_detail::parts_of_name(name).extension == "tgf") return read_tgf(name, text);
+  const Result<Json> j = json_of(name, text);
+  if (!j) return j.error();
+  return HandleReader(name).read(j.value());
+}
+
 Result<Handles> read_handles(const std::string& path) {
   const Result<std::string> text = read_file(path);
   if (!text) return text.error();
-  if (io_detail::parts_of_name(path).extension == "tgf") return read_tgf(path, text.value());
-  const Result<Json> j = json_of(path, text.value());
+  return parse_handles(path, text.value());
+}
+
+Result<std::vector<HandlePose>> parse_pose(std::string_view file, std::string_view json,
+                                           const Handles& handles) {
+  const Result<Json> j = json_of(file, json);
   if (!j) return j.error();
-  return HandleReader(path).read(j.value());
+  if (!j.value().is_object())
+    return in_file(file, "a pose is an object: of each handle that moves, by its name, its motion");
+  std::vector<HandlePose> out(handles.handles.size());
+  for (const auto& [name, motion] : j.value().items()) {
+    const std::string known = one_line(name);
+    const auto found = std::find_if(handles.handles.begin(), handles.handles.end(),
+                                    [&](const Handle& h) { return h.name == known; });
+    if (found == handles.handles.end())
+      return in_file(file, overtet::quoted(name) + " is none of the handles");
+    HandlePose& pose = out[static_cast<std::size_t>(found - handles.handles.begin())];
+    if (Status s = read_motion(file, name, motion, pose); !s) return s.error();
+  }
+  return out;
 }
 
 Result<std::vector<HandlePose>> read_pose(const std::string& path, const Handles& handles) {
   const Result<std::string> text = read_file(path);
-  if (!text) return text.error();
-  const Result<Json> j = json_of(path, text.value());
-  if (!j) return j.error();
-  if (!j.value().is_object())
-    return in_file(path, "a pose is an object: of each handle that moves, by its name, its motion");
-  std::vector<HandlePose> out(handles.handles.size());
-  for (const auto& [name, motion] : j.value().items()) {
-    const auto found = std::find_if(handles.handles.begin(), handles.handles.end(),
-                                    [&](const Handle& h) { return h.name == one_line(name); });
-    if (found == handles.handles.end())
-      return in_file(path, overtet::quoted(name) + " is none of the handles");
-    if (Status s =
-            read_motion(path, name, motion, out[static_cast<std::size_t>(found - handles.handles.begin())]);
-        !s)
-      return s.error();
-  }
-  return out;
+  return text ? parse_pose(path, text.value(), handles) : Result<std::vector<HandlePose>>(text.error());
 }
 
 }  // namespace overtet

@@ -215,12 +215,17 @@ Status write_weights_csv(const std::string& path, const Handles& handles, const 
 
 Result<Eigen::MatrixXd> read_weights_csv(const std::string& path, const Handles& handles) {
   const Result<std::string> bytes = read_file(path);
-  if (!bytes) return bytes.error();
+  return bytes ? parse_weights_csv(path, bytes.value(), handles) : Result<Eigen::MatrixXd>(bytes.error());
+}
+
+Result<Eigen::MatrixXd> parse_weights_csv(std::string_view name, std::string_view text,
+                                          const Handles& handles) {
   const auto bad = [&](std::size_t line, const std::string& what) {
-    return Error{ErrorCode::bad_input, path + ", line " + std::to_string(line) + ": " + what + "."};
+    return Error{ErrorCode::bad_input,
+                 std::string(name) + ", line " + std::to_string(line) + ": " + what + "."};
   };
   std::vector<std::string_view> lines;
-  for (std::string_view rest = bytes.value(); !rest.empty();) {
+  for (std::string_view rest = text; !rest.empty();) {
     const std::size_t end = std::min(rest.find('\n'), rest.size());
     lines.push_back(rest.substr(0, end));
     rest.remove_prefix(std::min(end + 1, rest.size()));
@@ -242,11 +247,11 @@ Result<Eigen::MatrixXd> read_weights_csv(const std::string& path, const Handles&
       return bad(n + 1,
                  std::to_string(fields.size()) + " fields, but " + std::to_string(names.size()) + " names");
     for (std::size_t h = 0; h < column.size(); ++h) {
-      const std::string& text = fields[column[h]];
+      const std::string& word = fields[column[h]];
       double x = 0;
-      const auto [end, wrong] = std::from_chars(text.data(), text.data() + text.size(), x);
-      if (wrong != std::errc() || end != text.data() + text.size() || !std::isfinite(x))
-        return bad(n + 1, overtet::quoted(text) + " is not a number");
+      const auto [end, wrong] = std::from_chars(word.data(), word.data() + word.size(), x);
+      if (wrong != std::errc() || end != word.data() + word.size() || !std::isfinite(x))
+        return bad(n + 1, overtet::quoted(word) + " is not a number");
       out(static_cast<Eigen::Index>(n) - 1, static_cast<Eigen::Index>(h)) = x;
     }
   }

@@ -72,7 +72,7 @@ class BoundedSearch {
     using End = BoundedSolution::End;
     out.end = done.value() ? End::exact : gap_ <= *std::rbegin(kInteriorGaps) ? End::gap : End::stalled;
     // A last rounding beyond a bound is taken back.
-    out.x = x_.cwiseMax(0.0).cwiseMin(1.0);
+    out.x = x_.cwiseMax(0.0).cwiseMin(1.0).array() + 0.0;  // no -0
     const Vector Qx = times(Q_, out.x);
     out.residual = residual(out.x, Qx + c_);
     out.energy = out.x.dot(Qx) / 2 + c_.dot(out.x);

@@ -1,6 +1,5 @@
-// What handles must be, and where poses take them.
+// Where poses take handles.
 #include <cmath>
-#include <set>
 #include <string>
 
 #include "overtet/weights.h"
@@ -11,48 +10,7 @@ namespace {
 
 Error refused(const std::string& what) { return {ErrorCode::usage, what}; }
 
-template <class T>
-bool in_range(int i, const std::vector<T>& list) {
-  return i >= 0 && i < std::ssize(list);
-}
-
 }  // namespace
-
-Status Handles::validate() const {
-  if (handles.empty()) return refused("There are no handles.");
-  std::set<std::string> names;
-  std::set<int> points;
-  for (const Handle& h : handles) {
-    if (h.name.empty()) return refused("A handle has no name.");
-    if (!names.insert(h.name).second) return refused("Two handles are named '" + h.name + "'.");
-    if (!in_range(h.place, places) || (h.bone() && !in_range(h.tail, places)))
-      return refused("Handle '" + h.name + "' is at a place that does not exist.");
-    if (h.parent != -1 && !in_range(h.parent, handles))
-      return refused("The parent of handle '" + h.name + "' does not exist.");
-    if (!h.bone()) points.insert(h.place);
-  }
-  for (std::size_t i = 0; i < handles.size(); ++i) {
-    std::size_t steps = 0;
-    for (int p = handles[i].parent; p >= 0; p = handles[static_cast<std::size_t>(p)].parent)
-      if (++steps > handles.size())
-        return refused("Handle '" + handles[i].name + "' is among its own parents' parents.");
-  }
-  for (const HandlePlace& p : places)
-    if (!p.position.allFinite()) return refused("A handle's position is not finite.");
-  const auto cage = [&](const auto& corners) {
-    std::set<int> different;
-    for (const int c : corners) {
-      if (!points.contains(c)) return false;
-      different.insert(c);
-    }
-    return different.size() == corners.size();
-  };
-  for (const auto& e : cage_edges)
-    if (!cage(e)) return refused("The edges of a cage join two different point handles.");
-  for (const auto& f : cage_faces)
-    if (!cage(f)) return refused("The faces of a cage join three different point handles.");
-  return success();
-}
 
 Status WeightOptions::validate() const { return success(); }
 
@@ -84,16 +42,25 @@ Result<std::vector<AffineMatrix>> pose_transforms(const Handles& handles, const 
     }
     if (!own[h].allFinite()) return refused("The motion of handle '" + handle.name + "' is not finite.");
   }
-  std::vector<AffineMatrix> all(n);
+  // Parents first.
+  std::vector<AffineMatrix> all = own;
+  std::vector<char> done(n, 0);
   for (std::size_t h = 0; h < n; ++h) {
-    AffineMatrix m = own[h];
-    for (int p = handles.handles[h].parent; p >= 0; p = handles.handles[static_cast<std::size_t>(p)].parent) {
-      const AffineMatrix& up = own[static_cast<std::size_t>(p)];
-      const Eigen::Vector3d t = up.leftCols<3>() * m.col(3) + up.col(3);
-      m.leftCols<3>() = (up.leftCols<3>() * m.leftCols<3>()).eval();
-      m.col(3) = t;
+    std::vector<std::size_t> way;
+    for (std::size_t i = h; !done[i];) {
+      way.push_back(i);
+      done[i] = 1;
+      if (handles.handles[i].parent < 0) break;
+      i = static_cast<std::size_t>(handles.handles[i].parent);
     }
-    all[h] = m;
+    for (; !way.empty(); way.pop_back()) {
+      const int parent = handles.handles[way.back()].parent;
+      if (parent < 0) continue;
+      const AffineMatrix &up = all[static_cast<std::size_t>(parent)], &m = own[way.back()];
+      AffineMatrix& out = all[way.back()];
+      out.leftCols<3>() = up.leftCols<3>() * m.leftCols<3>();
+      out.col(3) = up.leftCols<3>() * m.col(3) + up.col(3);
+    }
   }
   return all;
 }
