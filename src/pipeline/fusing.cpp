@@ -105,7 +105,7 @@ void describe(const Surface& surface, const SurfaceAttributes& given, FusedCells
 }  // namespace
 
 Result<FusedMesh> fuse_surface(const Surface& surface, const SurfaceAttributes& attributes,
-                       const FusedOptions& options, const RunContext& context) {
+                               const FusedOptions& options, const RunContext& context) {
   const Result<SurfaceTopology> topology = require_topology(surface);
   if (!topology) return topology.error();
   Surface boxed = surface;
