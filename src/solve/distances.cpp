@@ -21,15 +21,6 @@ double mean_edge(const TetMesh& mesh) {
   return mesh.T.rows() > 0 ? sum / (6 * static_cast<double>(mesh.T.rows())) : 0;
 }
 
-Result<Eigen::VectorXd> solved(const SparseCholesky& factor, const Eigen::VectorXd& b) {
-  if (b.size() == 0) return b;
-  VertexMatrix right = VertexMatrix::Zero(b.size(), 3), left;
-  right.col(0) = b;
-  if (!factor.solve(right, left))
-    return Error{ErrorCode::limit, "There is not enough memory to solve this system."};
-  return Eigen::VectorXd(left.col(0));
-}
-
 }  // namespace
 
 Status DistanceOptions::validate() const {
@@ -82,7 +73,7 @@ Result<Eigen::VectorXd> HeatMethod::from(std::span<const Index> sources, const R
     reached[static_cast<std::size_t>(components_.of_vertex[static_cast<std::size_t>(v)])] = 1;
   }
   if (auto stop = context.stop()) return *stop;
-  Result<Eigen::VectorXd> heat = solved(heat_, start);
+  Result<Eigen::VectorXd> heat = solved_by(heat_, start);
   if (!heat) return heat;
   Eigen::VectorXd u = Eigen::VectorXd::Zero(vertices);
   for (Index v = 0; v < vertices; ++v)
@@ -97,7 +88,7 @@ Result<Eigen::VectorXd> HeatMethod::from(std::span<const Index> sources, const R
   Eigen::VectorXd right(free_);
   for (Index v = 0; v < vertices; ++v)
     if (const Index n = held_[static_cast<std::size_t>(v)]; n >= 0) right[n] = divergence[v];
-  Result<Eigen::VectorXd> potential = solved(potential_, right);
+  Result<Eigen::VectorXd> potential = solved_by(potential_, right);
   if (!potential) return potential;
   Eigen::VectorXd distance = Eigen::VectorXd::Constant(vertices, std::numeric_limits<double>::infinity());
   for (Index v = 0; v < vertices; ++v) {
