@@ -11,7 +11,8 @@ namespace {
 // Whether two unknowns are coupled strongly.
 class Strength {
  public:
-  Strength(const RowMatrix& A, double strong) : root_(A.diagonal().cwiseMax(0).cwiseSqrt()), strong_(strong) {}
+  Strength(const RowMatrix& A, double strong)
+      : root_(A.diagonal().cwiseMax(0).cwiseSqrt()), strong_(strong) {}
   bool operator()(Index i, Index j, double a) const { return i != j && -a > strong_ * root_[i] * root_[j]; }
 
  private:

@@ -1,5 +1,5 @@
-// Sparse matrices made row by row, by all threads: the same bytes on any number of them. Only for .cpp files of
-// rooms that link `parallel`.
+// Sparse matrices made row by row, by all threads: the same bytes on any number of them. Only for .cpp files
+// of rooms that link `parallel`.
 #pragma once
 
 #include <cstdint>

@@ -43,9 +43,9 @@ Result<bool> solve_by_multigrid(const LinearSystem& system, LinearSolution& out,
   if (auto e = context.no_room_for(6 * sizeof(double) * static_cast<std::size_t>(system.A.nonZeros())))
     return *e;
   Multigrid multigrid;
-  const bool prepared =
-      system.coarser ? multigrid.prepare(system.A, system.coarser->prolongation, system.coarser->A)
-                     : multigrid.prepare(system.A);
+  const bool prepared = system.coarser
+                            ? multigrid.prepare(system.A, system.coarser->prolongation, system.coarser->A)
+                            : multigrid.prepare(system.A);
   out.seconds_factor += lap(begin);
   if (auto stop = context.stop()) return *stop;
   if (!prepared) return false;

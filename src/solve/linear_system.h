@@ -25,9 +25,9 @@ struct LinearSystem {
 struct LinearSolution {
   Eigen::VectorXd x;
   LinearSolver solver = LinearSolver::direct;  // not automatic
-  int iterations = 0;                          // also those that led nowhere, before the direct solver took over
-  double residual = 0;                         // |b - A x| / |b|
-  double factor_entries = 0;                   // of the Cholesky factor
+  int iterations = 0;         // also those that led nowhere, before the direct solver took over
+  double residual = 0;        // |b - A x| / |b|
+  double factor_entries = 0;  // of the Cholesky factor
   double seconds_factor = 0, seconds_solve = 0;
 };
 
