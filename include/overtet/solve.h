@@ -52,8 +52,9 @@ struct FieldOptions {
   // elsewhere.
   std::vector<BoundaryValue> fluxes;
   ScalarFunction source;  // f; none: 0
-  // Not iterative for the biharmonic equation. The iterative solver ends with a residual of 1e-12; where it
-  // does not get there (tets that are very flat), the direct one takes over.
+  // Not iterative for the biharmonic equation. The iterative solver ends with a residual of 1e-12 (or, up
+  // to 1e-10, as far as doubles reach); where it does not get there (tets that are very flat), the direct one
+  // takes over.
   LinearSolver solver = LinearSolver::automatic;
 
   Status validate() const;  // Errors: usage.
@@ -88,7 +89,8 @@ struct DistanceOptions {
 
 // Geodesic distances inside the solid, which the overlap does not shorten, by the heat method [Crane,
 // Weischedel, Wardetzky 2013] with linear elements: two systems that are factored once, for any number of
-// sources.
+// sources. Heat leaves through the boundary half as fast as it would along ways that end head-on; the
+// potential is found twice, and shifted so that the sources' neighbours are as far as their edges are long.
 class Distances {
  public:
   // Errors: usage, bad_input (a tet that is not positive), unsolved, limit, interrupted. The mesh is not

@@ -58,7 +58,7 @@ struct WeightOptions {
 enum class WeightsEnd {
   exact,   // the conditions of Karush, Kuhn and Tucker hold to 1e-10
   gap,     // the energy is the least one but for a part of at most 1e-14
-  stalled  // neither is reached: doubles have too few digits for this mesh; `gap` says how far it came
+  stalled  // neither is reached: doubles have too few digits for this mesh; the residual says how far it came
 };
 
 struct HandleWeights {

@@ -29,7 +29,9 @@ struct IterationOptions {
 };
 
 struct Iterations {
-  bool converged = false;  // to the tolerance
+  // To the tolerance; or to a hundred times as much, where rounding in A x lets nobody come nearer: few
+  // values given, so that b is small beside what A x sums up.
+  bool converged = false;
   int count = 0;
   double residual = 0;  // |b - A x| / |b|, computed anew at the end; of b = 0: 0
 };

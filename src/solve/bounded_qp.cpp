@@ -17,33 +17,6 @@ using Vector = Eigen::VectorXd;
 
 enum class Bound : std::uint8_t { none, lower, upper };
 
-Error singular() {
-  return {ErrorCode::unsolved,
-          "The system of equations is not positive definite in double precision: the mesh has tets that are "
-          "too flat, or memory ran out. Improve the mesh."};
-}
-
-// With the rows in elimination order.
-Result<SparseCholesky> factored_as_ordered(const SymmetricMatrix& A, const RunContext& context) {
-  if (auto stop = context.stop()) return *stop;
-  SparseCholesky factor(
-      {.ordering = CholeskyOptions::Ordering::natural, .method = CholeskyOptions::Method::automatic});
-  if (!factor.analyze(A))
-    return Error{ErrorCode::limit, "There is not enough memory for the factor of this system."};
-  if (auto e = context.no_room_for(static_cast<std::size_t>(8 * factor.factor_entries()))) return *e;
-  if (!factor.factor(A)) return singular();
-  return factor;
-}
-
-Status solve_one(const SparseCholesky& factor, const Vector& b, Vector& x) {
-  VertexMatrix right = VertexMatrix::Zero(b.size(), 3), left;
-  right.col(0) = b;
-  if (!factor.solve(right, left))
-    return Error{ErrorCode::limit, "There is not enough memory to solve this system."};
-  x = left.col(0);
-  return success();
-}
-
 // One problem. (Its members: the problem's data, the state of both methods, and what is said of them.)
 class BoundedSearch {
  public:
@@ -98,19 +71,20 @@ class BoundedSearch {
     }
     if (count == 0) return success();
     const Vector g = times(Q_, x_) + c_;
-    Vector right(count), left;
+    Vector right(count);
     for (Eigen::Index i = 0; i < n_; ++i)
       if (const Index k = number[static_cast<std::size_t>(i)]; k >= 0) right[k] = -g[i];
     const SymmetricMatrix A = kept_part(Q_, number, count);
-    Result<SparseCholesky> factor = factored_as_ordered(A, context_);
+    Result<SparseCholesky> factor = factored(A, context_, CholeskyOptions::Ordering::natural);
     if (!factor) return factor.error();
-    if (Status s = solve_one(factor.value(), right, left); !s) return s;
+    const Result<Vector> first = solved_by(factor.value(), right);
+    if (!first) return first.error();
     // One step of iterative refinement.
-    Vector more;
-    if (Status s = solve_one(factor.value(), right - times(A, left), more); !s) return s;
-    left += more;
+    const Result<Vector> more = solved_by(factor.value(), right - times(A, first.value()));
+    if (!more) return more.error();
     for (Eigen::Index i = 0; i < n_; ++i)
-      if (const Index k = number[static_cast<std::size_t>(i)]; k >= 0) x_[i] = left[k];
+      if (const Index k = number[static_cast<std::size_t>(i)]; k >= 0)
+        x_[i] = first.value()[k] + more.value()[k];
     return success();
   }
 
@@ -172,14 +146,16 @@ class BoundedSearch {
       const Vector more = z_.cwiseQuotient(low) + y_.cwiseQuotient(high);
       for (Eigen::Index j = 0; j < n_; ++j) A_.valuePtr()[A_.outerIndexPtr()[j]] = diagonal_[j] + more[j];
       if (!factor_.factor(A_)) {
-        if (interior_steps_ == 1) return singular();
+        if (interior_steps_ == 1) return not_definite();
         break;  // no more digits
       }
       Vector dx, dz, dy;
       // low_part: what low z is to change by, in first order; high_part likewise.
       const auto direction = [&](const Vector& low_part, const Vector& high_part) -> Status {
         const Vector right = -dual + low_part.cwiseQuotient(low) - high_part.cwiseQuotient(high);
-        if (Status s = solve_one(factor_, right, dx); !s) return s;
+        Result<Vector> solution = solved_by(factor_, right);
+        if (!solution) return solution.error();
+        dx = std::move(solution).value();
         dz = (low_part - z_.cwiseProduct(dx)).cwiseQuotient(low);
         dy = (high_part + y_.cwiseProduct(dx)).cwiseQuotient(high);
         return success();

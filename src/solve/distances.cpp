@@ -1,11 +1,14 @@
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <string>
 #include <utility>
 
 #include "kernels/core/tet_tables.h"
 #include "kernels/fem/elements.h"
+#include "src/mesh/tet_complex.h"
 #include "src/solve/distances.h"
 
 namespace overtet {
@@ -21,13 +24,18 @@ double mean_edge(const TetMesh& mesh) {
   return mesh.T.rows() > 0 ? sum / (6 * static_cast<double>(mesh.T.rows())) : 0;
 }
 
-Result<Eigen::VectorXd> solved(const SparseCholesky& factor, const Eigen::VectorXd& b) {
-  if (b.size() == 0) return b;
-  VertexMatrix right = VertexMatrix::Zero(b.size(), 3), left;
-  right.col(0) = b;
-  if (!factor.solve(right, left))
-    return Error{ErrorCode::limit, "There is not enough memory to solve this system."};
-  return Eigen::VectorXd(left.col(0));
+// Heat falls by exp(-distance / sqrt(time)), so that on the boundary its derivative is -cos/sqrt(time) of it,
+// with the angle between the way and the normal, which nobody knows: 1 where ways end head-on, 0 where they
+// run along. Between no flux (for which ways run along) and no heat (head-on), which [Crane, Weischedel,
+// Wardetzky 2013, section 3.4] average, this is a half: by vertex half the area that it has on the boundary.
+Eigen::VectorXd lost_heat(const TetMesh& mesh) {
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(mesh.V.rows());
+  for (const auto& [a, b, c] : TetComplex(mesh.V, mesh.T).boundary()) {
+    const Eigen::Vector3d p = mesh.V.row(a), q = mesh.V.row(b), r = mesh.V.row(c);
+    const double area = (q - p).cross(r - p).norm() / 2;
+    for (const Index v : {a, b, c}) out[v] += area / 6;
+  }
+  return out;
 }
 
 }  // namespace
@@ -59,7 +67,7 @@ Result<HeatMethod> HeatMethod::prepare(const TetMesh& mesh, const DistanceOption
   const SymmetricMatrix K = x.elements_.stiffness();
   const double h = mean_edge(mesh);
   SymmetricMatrix heat = options.smoothing * h * h * K;
-  const Eigen::VectorXd mass = x.elements_.lumped_mass();
+  const Eigen::VectorXd mass = x.elements_.lumped_mass() + std::sqrt(options.smoothing) * h * lost_heat(mesh);
   for (Eigen::Index v = 0; v < heat.cols(); ++v) heat.coeffRef(v, v) += mass[v];
   Result<SparseCholesky> heat_factor = factored(kept_part(heat, x.number_, x.used_), context);
   if (!heat_factor) return heat_factor.error();
@@ -68,6 +76,43 @@ Result<HeatMethod> HeatMethod::prepare(const TetMesh& mesh, const DistanceOption
   x.heat_ = std::move(heat_factor).value();
   x.potential_ = std::move(potential).value();
   return x;
+}
+
+// The potential whose gradient points where that of u does and has length 1: by vertex; 0 where it is held.
+Result<Eigen::VectorXd> HeatMethod::with_directions_of(const Eigen::VectorXd& u) const {
+  VertexMatrix X = elements_.gradient(u);
+  for (Eigen::Index t = 0; t < X.rows(); ++t) {
+    const double length = X.row(t).norm();
+    X.row(t) *= length > 0 ? 1 / length : 0;
+  }
+  const Eigen::VectorXd divergence = elements_.divergence(X);
+  Eigen::VectorXd right(free_);
+  for (std::size_t v = 0; v < held_.size(); ++v)
+    if (held_[v] >= 0) right[held_[v]] = divergence[static_cast<Eigen::Index>(v)];
+  const Result<Eigen::VectorXd> potential = solved_by(potential_, right);
+  if (!potential) return potential;
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(std::ssize(held_));
+  for (std::size_t v = 0; v < held_.size(); ++v)
+    if (held_[v] >= 0) out[static_cast<Eigen::Index>(v)] = potential.value()[held_[v]];
+  return out;
+}
+
+// 0 at the sources, at their neighbours the length of the shortest edge to one, infinity elsewhere.
+Eigen::VectorXd HeatMethod::along_first_edges(std::span<const Index> sources) const {
+  const std::set<Index> from(sources.begin(), sources.end());
+  Eigen::VectorXd out =
+      Eigen::VectorXd::Constant(std::ssize(number_), std::numeric_limits<double>::infinity());
+  for (const Index v : from) out[v] = 0;
+  for (Index t = 0; t < elements_.tets(); ++t)
+    for (int i = 0; i < 4; ++i) {
+      const Index v = elements_.node(t, i);
+      if (out[v] != 0 || !from.contains(v)) continue;
+      for (int j = 0; j < 4; ++j) {
+        const Index w = elements_.node(t, j);
+        out[w] = std::min(out[w], (elements_.places().row(v) - elements_.places().row(w)).norm());
+      }
+    }
+  return out;
 }
 
 Result<Eigen::VectorXd> HeatMethod::from(std::span<const Index> sources, const RunContext& context) const {
@@ -82,37 +127,37 @@ Result<Eigen::VectorXd> HeatMethod::from(std::span<const Index> sources, const R
     reached[static_cast<std::size_t>(components_.of_vertex[static_cast<std::size_t>(v)])] = 1;
   }
   if (auto stop = context.stop()) return *stop;
-  Result<Eigen::VectorXd> heat = solved(heat_, start);
+  Result<Eigen::VectorXd> heat = solved_by(heat_, start);
   if (!heat) return heat;
   Eigen::VectorXd u = Eigen::VectorXd::Zero(vertices);
   for (Index v = 0; v < vertices; ++v)
     if (const Index n = number_[static_cast<std::size_t>(v)]; n >= 0) u[v] = heat.value()[n];
-  VertexMatrix X = elements_.gradient(u);
-  for (Eigen::Index t = 0; t < X.rows(); ++t) {
-    const double length = X.row(t).norm();
-    X.row(t) *= length > 0 ? -1 / length : 0;
+  // Twice: the potential's gradient has smoother directions than the heat's, whose noise makes lengths too
+  // small.
+  u = -u;
+  for (int round = 0; round < 2; ++round) {
+    if (auto stop = context.stop()) return *stop;
+    const Result<Eigen::VectorXd> potential = with_directions_of(u);
+    if (!potential) return potential.error();
+    u = potential.value();
   }
-  if (auto stop = context.stop()) return *stop;
-  const Eigen::VectorXd divergence = elements_.divergence(X);
-  Eigen::VectorXd right(free_);
-  for (Index v = 0; v < vertices; ++v)
-    if (const Index n = held_[static_cast<std::size_t>(v)]; n >= 0) right[n] = divergence[v];
-  Result<Eigen::VectorXd> potential = solved(potential_, right);
-  if (!potential) return potential;
   Eigen::VectorXd distance = Eigen::VectorXd::Constant(vertices, std::numeric_limits<double>::infinity());
   for (Index v = 0; v < vertices; ++v) {
     const Index component = components_.of_vertex[static_cast<std::size_t>(v)];
     if (component < 0 || !reached[static_cast<std::size_t>(component)]) continue;
-    const Index n = held_[static_cast<std::size_t>(v)];
-    distance[v] = n >= 0 ? potential.value()[n] : 0;
+    distance[v] = u[v];
   }
-  // 0 at the sources: on the average, as each of them is only nearly as far from the others as the method
-  // says.
+  // Right at the sources' neighbours, whose distances are known, on the average: where all ways end in one
+  // vertex the potential is blunt. Where there are none, at the sources.
+  const Eigen::VectorXd near = along_first_edges(sources);
   std::vector<double> offset(components_.first_tet.size(), 0), count(offset.size(), 0);
-  for (const Index v : sources) {
-    const auto c = static_cast<std::size_t>(components_.of_vertex[static_cast<std::size_t>(v)]);
-    offset[c] += distance[v], ++count[c];
-  }
+  for (const bool neighbours : {true, false})
+    for (Index v = 0; v < vertices; ++v) {
+      if (!std::isfinite(near[v]) || (near[v] > 0) != neighbours) continue;
+      const auto c = static_cast<std::size_t>(components_.of_vertex[static_cast<std::size_t>(v)]);
+      if (!neighbours && count[c] > 0) continue;
+      offset[c] += distance[v] - near[v], ++count[c];
+    }
   for (Index v = 0; v < vertices; ++v)
     if (std::isfinite(distance[v])) {
       const auto c = static_cast<std::size_t>(components_.of_vertex[static_cast<std::size_t>(v)]);

@@ -1,5 +1,5 @@
 // The heat method on tets [Crane, Weischedel, Wardetzky 2013]: heat from the sources for a short time, its
-// gradient's directions, and the potential that has these.
+// gradient's directions, and the potential that has these; of its directions the same again.
 #pragma once
 
 #include <span>
@@ -20,6 +20,8 @@ class HeatMethod {
 
  private:
   explicit HeatMethod(const TetMesh& mesh);
+  Result<Eigen::VectorXd> with_directions_of(const Eigen::VectorXd& u) const;
+  Eigen::VectorXd along_first_edges(std::span<const Index> sources) const;
 
   TetElements elements_;
   Components components_;

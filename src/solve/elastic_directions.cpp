@@ -20,12 +20,6 @@ Status analyzed(SparseCholesky& factor, const SymmetricMatrix& A, const RunConte
   return success();
 }
 
-Error not_definite() {
-  return {ErrorCode::unsolved,
-          "The stiffness is not positive definite in double precision: the mesh has tets that are too flat, "
-          "or memory ran out. Improve the mesh."};
-}
-
 // The matrix as it is, as long as it is positive definite; else, until a whole step was gone, that of the
 // tets' definite parts.
 class NewtonDirections final : public ElasticDirections {

@@ -77,21 +77,29 @@ Eigen::VectorXd times(const SymmetricMatrix& A, const Eigen::VectorXd& x) {
   return y;
 }
 
-Result<SparseCholesky> factored(const SymmetricMatrix& A, const RunContext& context) {
+Error not_definite() {
+  return {ErrorCode::unsolved,
+          "The system of equations is not positive definite in double precision: the mesh has tets that are "
+          "too flat, or memory ran out. Improve the mesh."};
+}
+
+Result<SparseCholesky> factored(const SymmetricMatrix& A, const RunContext& context,
+                                CholeskyOptions::Ordering ordering) {
   if (auto stop = context.stop()) return *stop;
-  SparseCholesky factor(
-      {.ordering = CholeskyOptions::Ordering::automatic, .method = CholeskyOptions::Method::automatic});
+  SparseCholesky factor({.ordering = ordering, .method = CholeskyOptions::Method::automatic});
   if (!factor.analyze(A))
     return Error{ErrorCode::limit, "There is not enough memory for the factor of this system."};
   if (auto e = context.no_room_for(static_cast<std::size_t>(8 * factor.factor_entries()))) return *e;
   if (auto stop = context.stop()) return *stop;
-  if (!factor.factor(A))
-    return Error{ErrorCode::unsolved,
-                 "The system of equations is not positive definite in double precision: the mesh has tets "
-                 "that are too flat, "
-                 "or memory ran out. Improve the mesh."};
+  if (!factor.factor(A)) return not_definite();
   if (auto stop = context.stop()) return *stop;
   return factor;
+}
+
+Result<Eigen::VectorXd> solved_by(const SparseCholesky& factor, const Eigen::VectorXd& b) {
+  Eigen::VectorXd x;
+  if (factor.solve(b, x)) return x;
+  return Error{ErrorCode::limit, "There is not enough memory to solve this system."};
 }
 
 }  // namespace overtet::solve_detail

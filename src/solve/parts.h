@@ -35,8 +35,15 @@ SymmetricMatrix kept_part(const SymmetricMatrix& A, const std::vector<Index>& nu
 // A x, of one column.
 Eigen::VectorXd times(const SymmetricMatrix& A, const Eigen::VectorXd& x);
 
-// Of matrices of volume meshes. Errors: unsolved (not positive definite, or out of memory), interrupted,
-// limit.
-Result<SparseCholesky> factored(const SymmetricMatrix& A, const RunContext& context);
+// Of a system that cannot be factored: flat tets, or memory.
+Error not_definite();
+
+// Of matrices of volume meshes. natural: rows stay in their order. Errors: unsolved (not positive definite,
+// or out of memory), interrupted, limit.
+Result<SparseCholesky> factored(const SymmetricMatrix& A, const RunContext& context,
+                                CholeskyOptions::Ordering ordering = CholeskyOptions::Ordering::automatic);
+
+// Errors: limit.
+Result<Eigen::VectorXd> solved_by(const SparseCholesky& factor, const Eigen::VectorXd& b);
 
 }  // namespace overtet::solve_detail

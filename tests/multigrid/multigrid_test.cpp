@@ -84,7 +84,8 @@ TEST(Multigrid, BadlyShapedTetsAreSolvedOrSaidNotToBe) {
     Eigen::VectorXd x = Eigen::VectorXd::Zero(s.b.size());
     const Iterations done = multigrid.solve(s.b, x, {});
     const Eigen::VectorXd r = s.b - s.A.selfadjointView<Eigen::Lower>() * x;
-    EXPECT_EQ(done.converged, done.residual <= 1e-12) << flat;
+    EXPECT_TRUE(done.converged ? done.residual <= 1e-10 : done.residual > 1e-12)
+        << flat << ' ' << done.residual;
     // Where rounding is most of it, it depends on the order of sums.
     EXPECT_NEAR(done.residual, r.norm() / s.b.norm(), 1e-13 + 0.3 * done.residual) << flat;
     EXPECT_LE(done.count, IterationOptions().most_iterations);
@@ -146,7 +147,7 @@ TEST(Multigrid, WhatIsNotPositiveDefiniteIsRefused) {
   if (multigrid.prepare(A)) {
     Eigen::VectorXd x = Eigen::VectorXd::Zero(s.b.size());
     const Iterations done = multigrid.solve(s.b, x, {});
-    EXPECT_EQ(done.converged, done.residual <= 1e-12);
+    EXPECT_TRUE(done.converged ? done.residual <= 1e-10 : done.residual > 1e-12) << done.residual;
   }
 }
 

@@ -124,6 +124,21 @@ TEST(SkinningWeights, DoNotDependOnThreads) {
   EXPECT_TRUE((a.value().weights.array() == b.value().weights.array()).all());
 }
 
+TEST(SkinningWeights, DoNotDependOnUnits) {
+  TetMesh mesh = test::grid_tets(5, 0.2, 5);
+  Handles h;
+  h.places = {at({0.7, 1.1, 0.6}), at({4.1, 3.9, 4.2}), vertex(30)};
+  h.handles = {point("a", 0), point("b", 1), point("c", 2)};
+  const SkinningWeights w = solved(mesh, h);
+  for (const double unit : {0x1p-20, 0x1p+20}) {
+    TetMesh other = mesh;
+    other.V *= unit;
+    Handles there = h;
+    for (HandlePlace& p : there.places) p.position *= unit;
+    EXPECT_TRUE((solved(other, there).weights.array() == w.weights.array()).all()) << unit;
+  }
+}
+
 // The mirror image of the bar has the mirrored weights (the mesh is mirrored, too).
 TEST(SkinningWeights, AreSymmetricOnASymmetricBeam) {
   TetMesh mesh = bar();
