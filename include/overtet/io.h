@@ -139,6 +139,16 @@ Result<LabelledTetMesh> read_labelled_tets(const std::string& path, const RunCon
 Result<LabelledTetMesh> read_labelled_tets(const std::string& path, TetFormat format,
                                            const RunContext& context = {});
 
+// A list of files with a time each, as ParaView's collection (.pvd): a film. `file`: as it is found from
+// where the list is. The list appears whole: written again after each new file, it always names complete
+// files only. Errors: io.
+struct FileAtTime {
+  double time = 0;
+  std::string file;
+};
+Status write_collection(const std::string& path, const std::vector<FileAtTime>& files,
+                        const RunContext& context = {});
+
 // Curves, to look at: VTP (for ParaView; one line cell per segment, with what curves.h says of segments and
 // points as data) and OBJ (one group with one `l` element per curve, no data).
 

@@ -13,7 +13,10 @@
 //   verification.h  verify(), tet_quality()
 //   attributes.h    labels, regions, layers and what else goes with a mesh
 //   curves.h        intersection_curves()
+//   solve.h         solve_field(), Distances: fields on meshes
+//   fused.h         fused_mesh(): what others make, to compare with
 //   io.h            reading and writing
+//   weights.h       skinning_weights(), skinned()
 //   view.h          write_page(), write_picture(): to look at
 //   report.h        what a run says about itself, as JSON
 //   version.h
@@ -26,7 +29,9 @@
 #include "overtet/cleanup.h"
 #include "overtet/curves.h"
 #include "overtet/diagnosis.h"
+#include "overtet/elastic.h"
 #include "overtet/embed.h"
+#include "overtet/fused.h"
 #include "overtet/io.h"
 #include "overtet/meshing.h"
 #include "overtet/prepare.h"
@@ -39,3 +44,4 @@
 #include "overtet/verification.h"
 #include "overtet/version.h"
 #include "overtet/view.h"
+#include "overtet/weights.h"

@@ -3,6 +3,7 @@
 #include <dlfcn.h>
 #include <suitesparse/cholmod.h>
 
+#include <algorithm>
 #include <cmath>
 #include <mutex>
 #include <stdexcept>
@@ -71,6 +72,18 @@ void pin_blas_to_one_thread() {
   });
 }
 
+// OpenBLAS that was built for one thread (Debian's libopenblas0-serial) hands the same buffer to two threads
+// that call it at the same time: factors come out wrong. Then they wait for each other. Simplicial factors do
+// without a BLAS.
+std::unique_lock<std::mutex> blas_turn(const cholmod_factor* factor) {
+  static std::mutex mutex;
+  static const bool needed = [] {
+    void* const f = dlsym(RTLD_DEFAULT, "openblas_get_parallel");
+    return f && reinterpret_cast<int (*)()>(f)() == 0;
+  }();
+  return needed && factor->is_super ? std::unique_lock(mutex) : std::unique_lock<std::mutex>();
+}
+
 // CHOLMOD's supernodal loops ask for four OpenMP threads whatever the caller says: in this thread they get
 // one. (Measured: otherwise a sixth of a volume patch's step is spent waiting for and waking threads.)
 void pin_openmp_to_one_thread() {
@@ -113,7 +126,7 @@ struct SparseCholesky::Impl {
     common.method[0].ordering = options.ordering == Ordering::metis     ? CHOLMOD_METIS
                                 : options.ordering == Ordering::natural ? CHOLMOD_NATURAL
                                                                         : CHOLMOD_AMD;
-    common.postorder = options.ordering != Ordering::natural;
+    common.postorder = 1;
     common.supernodal = options.method == Method::simplicial   ? CHOLMOD_SIMPLICIAL
                         : options.method == Method::supernodal ? CHOLMOD_SUPERNODAL
                                                                : CHOLMOD_AUTO;
@@ -179,6 +192,7 @@ bool SparseCholesky::factor(const SymmetricMatrix& A) {
       if (!std::isfinite(x[i])) return false;
     pin_openmp_to_one_thread();
     cholmod_sparse s = view(A);
+    const auto turn = blas_turn(m.L);
     if (!cholmod().factorize(&s, m.L, &m.common) || m.common.status != CHOLMOD_OK) return false;
     if (m.L->minor < static_cast<std::size_t>(m.rows)) return false;
     count(Count::factorisations);
@@ -188,35 +202,57 @@ bool SparseCholesky::factor(const SymmetricMatrix& A) {
   return true;
 }
 
+// columns: of the right-hand side, as many as are solved for.
+bool SparseCholesky::solve_columns(Eigen::Index columns) const {
+  Impl& m = *impl_;
+  pin_openmp_to_one_thread();
+  cholmod_dense b{};
+  b.nrow = static_cast<std::size_t>(m.rows);
+  b.ncol = static_cast<std::size_t>(columns);
+  b.nzmax = b.nrow * b.ncol;
+  b.d = b.nrow;
+  b.x = m.columns.data();
+  b.xtype = CHOLMOD_REAL;
+  b.dtype = CHOLMOD_DOUBLE;
+  const auto turn = blas_turn(m.L);
+  return cholmod().solve2(CHOLMOD_A, m.L, &b, nullptr, &m.X, nullptr, &m.Y, &m.E, &m.common);
+}
+
 bool SparseCholesky::solve(const VertexMatrix& B, VertexMatrix& X) const {
   Impl& m = *impl_;
   if (!m.factored || B.rows() != m.rows) return false;
-  if (m.rows == 0) {
-    X.resize(0, 3);
-    return true;
-  }
-  pin_openmp_to_one_thread();
+  X.resize(m.rows, 3);
+  if (m.rows == 0) return true;
   const std::size_t n = static_cast<std::size_t>(m.rows);
   m.columns.resize(3 * n);
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t k = 0; k < 3; ++k) m.columns[k * n + i] = B(static_cast<Eigen::Index>(i), k);
-  cholmod_dense b{};
-  b.nrow = n;
-  b.ncol = 3;
-  b.nzmax = 3 * n;
-  b.d = n;
-  b.x = m.columns.data();
-  b.xtype = CHOLMOD_REAL;
-  b.dtype = CHOLMOD_DOUBLE;
-  if (!cholmod().solve2(CHOLMOD_A, m.L, &b, nullptr, &m.X, nullptr, &m.Y, &m.E, &m.common)) return false;
-  X.resize(m.rows, 3);
+  if (!solve_columns(3)) return false;
   const double* x = static_cast<const double*>(m.X->x);
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t k = 0; k < 3; ++k) X(static_cast<Eigen::Index>(i), k) = x[k * m.X->d + i];
   return true;
 }
 
+bool SparseCholesky::solve(const Eigen::VectorXd& b, Eigen::VectorXd& x) const {
+  Impl& m = *impl_;
+  if (!m.factored || b.size() != m.rows) return false;
+  x.resize(m.rows);
+  if (m.rows == 0) return true;
+  m.columns.assign(b.data(), b.data() + b.size());
+  if (!solve_columns(1)) return false;
+  std::copy_n(static_cast<const double*>(m.X->x), m.rows, x.data());
+  return true;
+}
+
 double SparseCholesky::factor_entries() const { return impl_->common.lnz; }
+
+std::vector<int> SparseCholesky::order() const {
+  const Impl& m = *impl_;
+  if (m.rows <= 0) return {};
+  const int* const first = static_cast<const int*>(m.L->Perm);
+  return {first, first + m.rows};
+}
 
 void multiply(const SymmetricMatrix& A, const VertexMatrix& x, VertexMatrix& y) {
   y.setZero(A.rows(), 3);

@@ -15,6 +15,7 @@
 
 #include <Eigen/SparseCore>
 #include <memory>
+#include <vector>
 
 #include "kernels/sparse/tuning.h"
 #include "overtet/types.h"
@@ -28,6 +29,7 @@ struct CholeskyOptions {
   // Fill-reducing order. amd: computed in a sixth of metis' time, 15 to 40 % more fill on surface meshes. On
   // large ones metis pays even for a single factorisation (perf/README.md: at 416,000 rows 2.0 + 2.5 s
   // against 0.5 + 5.4 s, 199 against 272 MB). automatic: amd below kMetisRows rows, metis from there on.
+  // natural: the matrix's own, or one of the same fill.
   enum class Ordering { automatic, amd, metis, natural } ordering = Ordering::automatic;
   // simplicial: no BLAS, the better choice on surfaces (solves 1.8 times faster at 86k faces);
   // supernodal: dense blocks, for volume meshes; automatic: CHOLMOD chooses by the work estimate.
@@ -53,12 +55,19 @@ class SparseCholesky {
   // X = A^-1 B. X may be B. False: factor did not return true, B has another number of rows, or out of
   // memory.
   bool solve(const VertexMatrix& B, VertexMatrix& X) const;
+  // The same of one column. x may be b.
+  bool solve(const Eigen::VectorXd& b, Eigen::VectorXd& x) const;
 
   // Entries of the factor after the last analysis (for reports and memory estimates).
   double factor_entries() const;
 
+  // The elimination order that the last analysis chose: the row that comes first, second, ... A part of the
+  // rows, taken in this order, is a matrix that `natural` orders well.
+  std::vector<int> order() const;
+
  private:
   struct Impl;
+  bool solve_columns(Eigen::Index columns) const;
   std::unique_ptr<Impl> impl_;
 };
 

@@ -12,6 +12,8 @@
 #include "python/core/arrays.h"
 #include "python/core/calls.h"
 #include "python/core/records.h"
+#include "python/core/solve.h"
+#include "python/core/weights.h"
 
 namespace overtet::python {
 
@@ -281,6 +283,22 @@ void write_surface_(const std::string& path, const py::handle& V, const py::hand
   }));
 }
 
+py::dict fused_(const py::handle& V, const py::handle& F, const py::dict& surface, double improve,
+                const py::dict& run) {
+  const Surface given = surface_of(V, F);
+  const SurfaceAttributes attributes = attributes_of(surface);
+  FusedMesh made = value_of(call(
+      run, [&](const RunContext& context) { return fused_mesh(given, attributes, {improve}, context); }));
+  py::dict mesh;
+  mesh["surface_vertices"] = 0;
+  mesh["V"] = array_of(std::move(made.mesh.mesh.V));
+  mesh["T"] = array_of(std::move(made.mesh.mesh.T));
+  add(mesh, std::move(made.mesh.attributes));
+  return py::dict("mesh"_a = mesh, "cut_faces"_a = made.cut_faces, "inner_vertices"_a = made.inner_vertices,
+                  "surface_components"_a = made.surface_components, "components"_a = made.components,
+                  "solid_volume"_a = made.solid_volume, "volume"_a = made.volume);
+}
+
 // format: empty: as the path says.
 void write_mesh_(const std::string& path, const std::string& format, int order, const py::dict& mesh,
                  const py::dict& run) {
@@ -329,6 +347,9 @@ PYBIND11_MODULE(_core, m) {
   m.def("write_mesh", &write_mesh_);
   m.def("read_mesh", &read_mesh_);
   m.def("quality", &quality_);
+  m.def("fused", &fused_);
+  add_solvers(m);
+  add_weights(m);
   m.def("version", &version);
   m.def("usable_memory_bytes", &usable_memory_bytes);
   m.def("usable_cores", &usable_cores);

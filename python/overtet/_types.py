@@ -313,3 +313,65 @@ def clean_up_of(kind: type, given: Surface, made: dict, **more: Any) -> Any:
         if record[key] is None:
             record[key] = np.arange(count, dtype=np.int32)
     return kind(surface=surface, **record, **more)
+
+
+@dataclass(eq=False)
+class Field:
+    """A field on a tet mesh.
+
+    nodes: #N x 3, the mesh's vertices and, of order 2, the middles of its edges, which follow them. values: #N. energy: the
+    integral of |grad u|^2 / 2. residual: of the linear system, relative to its right-hand side.
+    """
+
+    nodes: np.ndarray
+    values: np.ndarray
+    energy: float
+    residual: float
+
+
+@dataclass(eq=False)
+class Fused:
+    """The mesh that others make, to compare with.
+
+    mesh: its `input_vertex` is -1 also where the quality pass has moved a vertex; `layers` are winding numbers.
+    cut_faces: of the surface, where others cross them. inner_vertices: of the surface, inside this mesh. solid_volume: in
+    which a place counts as often as it is covered.
+    """
+
+    mesh: Mesh
+    cut_faces: int
+    inner_vertices: int
+    surface_components: int
+    components: int
+    solid_volume: float
+    volume: float
+
+
+@dataclass(eq=False)
+class SkinningWeights:
+    """How much each handle moves each vertex of a mesh.
+
+    names: of the handles. weights: #V x #H. handles: as they were given. Of each handle: energy (that is least), residual (of
+    the conditions of optimality), end ("exact", "gap" or "stalled": less exact than usual), held (vertices at which
+    its weight is given), cut_at (of a bone: the part of its length that counts). shared: vertices that several handles
+    hold.
+    """
+
+    handles: Any
+    names: List[str]
+    weights: np.ndarray
+    energy: np.ndarray
+    residual: np.ndarray
+    end: List[str]
+    held: np.ndarray
+    cut_at: np.ndarray
+    shared: int
+
+
+@dataclass(eq=False)
+class Skinned:
+    """A mesh in a pose. flipped: how many of its tets are not positive any more; first_flipped: -1 or the first of them."""
+
+    mesh: Mesh
+    flipped: int
+    first_flipped: int

@@ -49,7 +49,8 @@ def members(text, node):
 
 def class_(text, node):
     bases = [b.id for b in node.bases if isinstance(b, ast.Name)]
-    out = [f"``````{{py:class}} {node.name}", ""]
+    made_by = [item for item in node.body if isinstance(item, ast.FunctionDef) and item.name == "__init__"]
+    out = [f"``````{{py:class}} {node.name}" + (f"({signature(made_by[0])})" if made_by else ""), ""]
     if bases and bases != ["Exception"]:
         out += ["Is also: " + ", ".join(f"`{b}`" for b in bases) + ".", ""]
     out += [prose(ast.get_docstring(node)), ""]
@@ -72,7 +73,8 @@ def pages(root):
     public = next(ast.literal_eval(node.value) for node in module.body
                   if isinstance(node, ast.Assign) and node.targets[0].id == "__all__")
     nodes = {}
-    for name in ("_api.py", "_types.py", "_errors.py"):
+    files = sorted(f for f in os.listdir(os.path.join(root, "python", "overtet")) if f.startswith("_") and f.endswith(".py"))
+    for name in files:
         text, tree = source(root, name)
         for node in tree.body:
             if isinstance(node, (ast.FunctionDef, ast.ClassDef)) and node.name in public:

@@ -393,6 +393,24 @@ CLI::App* add_view(CLI::App& app, ViewCommand& view) {
   return command;
 }
 
+CLI::App* add_compare(CLI::App& app, CompareCommand& compare) {
+  CLI::App* command = app.add_subcommand(
+      "compare", "Make the mesh that others make, to compare with: what overlaps is fused in it");
+  command->add_option("INPUT", compare.input, surface_help())->required();
+  command
+      ->add_flag("--fused", compare.fused,
+                 "The mesh of all places that the surface winds around a positive number of times")
+      ->required();
+  command->add_option("--output,-o", compare.output, "The fused mesh; formats as of overtet mesh")
+      ->required();
+  command->add_flag("--json", compare.json, "Print JSON");
+  command->footer(
+      "Faces are cut where they cross others. Fields, distances and elastic bodies (overtet solve) on this "
+      "mesh pass from one part of the surface to another where these overlap; on the mesh of overtet mesh "
+      "they do not.");
+  return command;
+}
+
 CLI::App* add_batch(CLI::App& app, BatchCommand& batch, CommonOptions& common) {
   CLI::App* command = app.add_subcommand(
       "batch", "Mesh many surfaces, each in a process of its own, and keep a journal that can be resumed");
@@ -477,6 +495,7 @@ struct CommandLine {
   ConvertCommand convert;
   ViewCommand view;
   SolveCommand solve;
+  CompareCommand compare;
   BatchCommand batch;
   std::string manual, shell;
   std::vector<std::pair<const CLI::App*, std::function<int(Terminal&)>>> commands;
@@ -518,6 +537,7 @@ void add_commands(CLI::App& app, CommandLine& line) {
   runs(add_convert(app, line.convert), line.convert);
   runs(add_view(app, line.view), line.view);
   runs(add_solve(app, line.solve), line.solve);
+  add_cleaning(*runs(add_compare(app, line.compare), line.compare), line.compare.clean);
   does(add_batch(app, line.batch, line.common),
        [&line](Terminal& t) { return run(line.batch, line.common, t); });
   CLI::App* manual = app.add_subcommand("manual", "Print a man page: of a command, or of the program");

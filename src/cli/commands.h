@@ -104,6 +104,12 @@ struct ViewCommand {
   double apart = 0;
 };
 
+struct CompareCommand {
+  std::string input, output;
+  bool fused = false, json = false;
+  InputOptions clean;
+};
+
 struct FieldWords {
   std::vector<std::string> values, fluxes;  // WHERE=FORMULA
   std::string source;                       // a formula
@@ -116,11 +122,28 @@ struct DistanceWords {
   double smoothing = 1;
 };
 
+struct SkinningWords {
+  std::string handles;  // file
+  bool cut_bones = false;
+  std::string weights, pose;  // files
+};
+
+// More than 12 members: what the user chose, option by option.
+struct ElasticWords {
+  std::string material = "neo-hookean", gravity, damping, rest, method, integrator = "euler";
+  double young = 1, poisson = 0.3, density = 1, step = 0.01, tolerance = 1e-8;
+  int frames = 1, iterations = 200;
+  bool dynamic = false;
+  std::vector<std::string> fixed, pulled, tractions,
+      forces;  // WHERE, the others WHERE=FORMULA;FORMULA;FORMULA
+};
 struct SolveCommand {
   std::string kind, input, output;
   bool json = false;
   FieldWords field;
   DistanceWords distances;
+  SkinningWords skinning;
+  ElasticWords elastic;
 };
 
 // Each returns the exit code.
@@ -132,6 +155,7 @@ int run(const PrepareCommand& command, const CommonOptions& common, Terminal& te
 int run(const VerifyCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const ConvertCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const ViewCommand& command, const CommonOptions& common, Terminal& terminal);
+int run(const CompareCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const SolveCommand& command, const CommonOptions& common, Terminal& terminal);
 int run(const BatchCommand& command, const CommonOptions& common, Terminal& terminal);
 

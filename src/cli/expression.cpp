@@ -7,7 +7,9 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <sstream>
 #include <string>
+#include <vector>
 
 namespace overtet {
 
@@ -54,17 +56,18 @@ const MuParser& mu_parser() {
 // pre: mu_parser() is complete.
 class Formula {
  public:
-  explicit Formula(const std::string& text) : handle_(mu_parser().create(muBASETYPE_FLOAT)) {
+  // variables: of x, y, z and t the first ones that it may use.
+  Formula(const std::string& text, std::size_t variables) : handle_(mu_parser().create(muBASETYPE_FLOAT)) {
     mu_parser().set_formula(handle_, text.c_str());
-    const char* const names[] = {"x", "y", "z"};
-    for (std::size_t k = 0; k < 3; ++k) mu_parser().define_variable(handle_, names[k], &place_[k]);
+    const char* const names[] = {"x", "y", "z", "t"};
+    for (std::size_t k = 0; k < variables; ++k) mu_parser().define_variable(handle_, names[k], &given_[k]);
   }
   ~Formula() { mu_parser().release(handle_); }
   Formula(const Formula&) = delete;
   Formula& operator=(const Formula&) = delete;
 
-  double at(const Eigen::Vector3d& p) {
-    place_ = {p[0], p[1], p[2]};
+  double at(const Eigen::Vector3d& p, double t = 0) {
+    given_ = {p[0], p[1], p[2], t};
     return mu_parser().evaluate(handle_);
   }
   // What is wrong with it, once it was evaluated; empty: nothing.
@@ -77,7 +80,7 @@ class Formula {
 
  private:
   muParserHandle_t handle_;
-  std::array<double, 3> place_{};
+  std::array<double, 4> given_{};
 };
 
 }  // namespace
@@ -89,25 +92,55 @@ Result<std::string> text_of(const std::string& path) {
   return text;
 }
 
-Result<ScalarFunction> function_of(const std::string& formula) {
-  std::string text = formula;
-  if (formula.starts_with('@')) {
-    Result<std::string> read = text_of(formula.substr(1));
-    if (!read) return read.error();
-    text = std::move(read).value();
-  }
+namespace {
+
+// What stands there, or in the file that @ names.
+Result<std::string> words_of(const std::string& formula) {
+  return formula.starts_with('@') ? text_of(formula.substr(1)) : Result<std::string>(formula);
+}
+
+Result<std::shared_ptr<Formula>> parsed(const std::string& text, std::size_t variables) {
   if (!mu_parser().module || !mu_parser().complete)
     return Error{
         ErrorCode::io,
         "Formulas are read by muParser, and libmuparser.so.2 cannot be loaded; install libmuparser2v5."};
-  const auto f = std::make_shared<Formula>(text);
+  const auto f = std::make_shared<Formula>(text, variables);
   (void)f->at({0, 0, 0});
   if (const std::string why = f->problem(); !why.empty())
+    return Error{ErrorCode::usage, "The formula '" + text + "' is wrong: " + why + ". It may use x, y, z, " +
+                                       (variables > 3 ? "t, " : "") +
+                                       "numbers, + - * / ^, comparisons, and functions like sin and sqrt."};
+  return f;
+}
+
+}  // namespace
+
+Result<ScalarFunction> function_of(const std::string& formula) {
+  const Result<std::string> text = words_of(formula);
+  if (!text) return text.error();
+  const Result<std::shared_ptr<Formula>> f = parsed(text.value(), 3);
+  if (!f) return f.error();
+  return ScalarFunction([f = f.value()](const Eigen::Vector3d& p) { return f->at(p); });
+}
+
+Result<VectorFunction> vector_function_of(const std::string& formulas) {
+  const Result<std::string> text = words_of(formulas);
+  if (!text) return text.error();
+  std::vector<std::shared_ptr<Formula>> f;
+  std::istringstream parts(text.value());
+  for (std::string part; std::getline(parts, part, ';');) {
+    const Result<std::shared_ptr<Formula>> one = parsed(part, 4);
+    if (!one) return one.error();
+    f.push_back(one.value());
+  }
+  if (f.size() != 3)
     return Error{ErrorCode::usage,
-                 "The formula '" + text + "' is wrong: " + why +
-                     ". It may use x, y, z, numbers, + - * / ^, comparisons, and functions like "
-                     "sin and sqrt."};
-  return ScalarFunction([f](const Eigen::Vector3d& p) { return f->at(p); });
+                 "'" + text.value() +
+                     "' is no direction; write three formulas with semicolons between them, as "
+                     "'0;0;0.1*t', in quotes."};
+  return VectorFunction([f](const Eigen::Vector3d& p, double t) {
+    return Eigen::Vector3d(f[0]->at(p, t), f[1]->at(p, t), f[2]->at(p, t));
+  });
 }
 
 }  // namespace overtet

@@ -70,20 +70,36 @@ Result<BoundaryValue> place_in(const std::string& text, const LabelledTetMesh& m
                    "' is no place; write all, label:NUMBER, label:NAME, vertices:N,N,... or vertices:@FILE.");
 }
 
-Result<std::vector<BoundaryValue>> conditions_in(const std::vector<std::string>& words,
-                                                 const LabelledTetMesh& mesh) {
-  std::vector<BoundaryValue> out;
+namespace {
+
+// WHERE=FORMULA, read by `function_in`.
+template <class Condition, class Function>
+Result<std::vector<Condition>> conditions(const std::vector<std::string>& words, const LabelledTetMesh& mesh,
+                                          const char* form,
+                                          Result<Function> (*function_in)(const std::string&)) {
+  std::vector<Condition> out;
   for (const std::string& word : words) {
     const std::size_t equals = word.find('=');
-    if (equals == std::string::npos) return bad_words("'" + word + "' gives no value; write WHERE=FORMULA.");
+    if (equals == std::string::npos) return bad_words("'" + word + "' gives no value; write " + form + ".");
     Result<BoundaryValue> place = place_in(word.substr(0, equals), mesh);
     if (!place) return place.error();
-    Result<ScalarFunction> function = function_of(word.substr(equals + 1));
+    Result<Function> function = function_in(word.substr(equals + 1));
     if (!function) return function.error();
-    out.push_back(std::move(place).value());
-    out.back().function = std::move(function).value();
+    out.push_back({place.value().label, std::move(place.value().vertices), std::move(function).value()});
   }
   return out;
+}
+
+}  // namespace
+
+Result<std::vector<BoundaryValue>> conditions_in(const std::vector<std::string>& words,
+                                                 const LabelledTetMesh& mesh) {
+  return conditions<BoundaryValue>(words, mesh, "WHERE=FORMULA", function_of);
+}
+
+Result<std::vector<ElasticCondition>> vector_conditions_in(const std::vector<std::string>& words,
+                                                           const LabelledTetMesh& mesh) {
+  return conditions<ElasticCondition>(words, mesh, "'WHERE=FORMULA;FORMULA;FORMULA'", vector_function_of);
 }
 
 Result<std::vector<Index>> vertices_of(const std::vector<std::string>& words, const LabelledTetMesh& mesh) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "overtet/attributes.h"
+#include "overtet/elastic.h"
 #include "overtet/result.h"
 #include "overtet/solve.h"
 
@@ -17,6 +18,10 @@ Result<BoundaryValue> place_in(const std::string& text, const LabelledTetMesh& m
 // WHERE=FORMULA, in their order. Errors: as place_in() and function_of().
 Result<std::vector<BoundaryValue>> conditions_in(const std::vector<std::string>& words,
                                                  const LabelledTetMesh& mesh);
+
+// WHERE=FORMULA;FORMULA;FORMULA, in their order. Errors: as place_in() and vector_function_of().
+Result<std::vector<ElasticCondition>> vector_conditions_in(const std::vector<std::string>& words,
+                                                           const LabelledTetMesh& mesh);
 
 // All vertices of these places. Errors: as place_in(); usage, where no triangle is in one.
 Result<std::vector<Index>> vertices_of(const std::vector<std::string>& words, const LabelledTetMesh& mesh);

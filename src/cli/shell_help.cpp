@@ -217,13 +217,13 @@ std::string zsh_completion(const std::vector<CommandHelp>& commands) {
                 "'";
         continue;
       }
-      for (const std::string& name : o.names)
-        text.append(" \\\n        '")
-            .append(name)
-            .append(o.takes_value ? (name.starts_with("--") ? "=" : "+") : "")
-            .append("[" + zsh(o.text) + "]")
-            .append(o.takes_value ? ":" + zsh(value_name(o)) + ":" + words : "")
-            .append("'");
+      for (const std::string& name : o.names) {
+        text.append(" \\\n        '").append(name);
+        if (o.takes_value) text += name.starts_with("--") ? '=' : '+';
+        text.append("[").append(zsh(o.text)).append("]");
+        if (o.takes_value) text.append(":").append(zsh(value_name(o))).append(":").append(words);
+        text += '\'';
+      }
     }
     text += " ;;\n";
   }

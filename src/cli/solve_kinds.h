@@ -24,5 +24,12 @@ Result<SolveSummary> solve_for_field(const SolveCommand& command, const RunConte
                                      const RunContext& writing);
 Result<SolveSummary> solve_for_distances(const SolveCommand& command, const RunContext& context,
                                          const RunContext& writing);
+Result<SolveSummary> solve_for_weights(const SolveCommand& command, const RunContext& context,
+                                       const RunContext& writing);
+Result<SolveSummary> solve_for_skin(const SolveCommand& command, const RunContext& context,
+                                    const RunContext& writing);
+
+Result<SolveSummary> solve_for_elastic(const SolveCommand& command, const RunContext& context,
+                                       const RunContext& writing);
 
 }  // namespace overtet

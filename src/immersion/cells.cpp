@@ -10,49 +10,13 @@
 #include "kernels/core/tet_tables.h"
 #include "kernels/core/triangles.h"
 #include "kernels/parallel/grouping.h"
-#include "kernels/parallel/parallel.h"
-#include "kernels/parallel/tuning.h"
+#include "src/cdt/facets_on_faces.h"
 
 namespace overtet {
 
 namespace {
 
 using Triple = std::array<Index, 3>;
-
-// Finds triangles by their three vertices; open addressing, insertion order does not matter.
-class TriangleTable {
- public:
-  explicit TriangleTable(std::size_t n) {
-    std::size_t size = 16;
-    while (size < 2 * n + 2) size *= 2;
-    slot_.assign(size, -1);
-  }
-  void insert(const Triple& key, Index value) {
-    std::size_t at = hash(key);
-    while (slot_[at] >= 0) at = (at + 1) & (slot_.size() - 1);
-    slot_[at] = static_cast<Index>(keys_.size());
-    keys_.push_back(key);
-    values_.push_back(value);
-  }
-  Index find(const Triple& key) const {
-    for (std::size_t at = hash(key); slot_[at] >= 0; at = (at + 1) & (slot_.size() - 1))
-      if (same(keys_[slot_[at]], key)) return values_[slot_[at]];
-    return -1;
-  }
-
- private:
-  // The array's own operator calls memcmp.
-  static bool same(const Triple& a, const Triple& b) { return a[0] == b[0] && a[1] == b[1] && a[2] == b[2]; }
-  std::size_t hash(const Triple& k) const {
-    std::uint64_t h = static_cast<std::uint64_t>(k[0]) * 0x9e3779b97f4a7c15ull;
-    h = (h ^ (h >> 29) ^ static_cast<std::uint64_t>(k[1])) * 0xbf58476d1ce4e5b9ull;
-    h = (h ^ (h >> 32) ^ static_cast<std::uint64_t>(k[2])) * 0x94d049bb133111ebull;
-    return (h ^ (h >> 31)) & (slot_.size() - 1);
-  }
-  std::vector<Index> slot_;
-  std::vector<Triple> keys_;
-  std::vector<Index> values_;
-};
 
 class CellFinder {
  public:
@@ -74,31 +38,14 @@ class CellFinder {
     std::vector<Index> facet_of(m, -1);
     out_.facet_on.assign(n, {-1, -1, -1, -1});
     corners_.clear();
-    const auto face = [&](Index t, int k) -> Triple { return tet_face(tets_.T.row(t), k); };
-    std::vector<std::array<Index, 4>> searched;
-    if (tets_.facet_on.empty()) {
-      TriangleTable table(m);
-      std::vector<char> marked(tets_.V.rows(), 0);
-      for (Index i = 0; i < m; ++i) {
-        const Triple t{tets_.facets(i, 0), tets_.facets(i, 1), tets_.facets(i, 2)};
-        for (const Index v : t) marked[v] = 1;
-        table.insert(sorted(t), i);
-      }
-      searched.resize(n);
-      parallel_for(n, kLightGrain, [&](std::int64_t begin, std::int64_t end) {
-        for (Index t = static_cast<Index>(begin); t < end; ++t)
-          for (int k = 0; k < 4; ++k) {
-            const Triple f = face(t, k);
-            searched[t][k] = marked[f[0]] && marked[f[1]] && marked[f[2]] ? table.find(sorted(f)) : -1;
-          }
-      });
-    }
+    const std::vector<std::array<Index, 4>> searched =
+        tets_.facet_on.empty() ? facets_on_faces(tets_) : std::vector<std::array<Index, 4>>();
     const std::vector<std::array<Index, 4>>& found = searched.empty() ? tets_.facet_on : searched;
     for (Index t = 0; t < n; ++t) {
       for (int k = 0; k < 4; ++k) {
         const Index i = found[t][k];
         if (i < 0) continue;
-        const Triple f = face(t, k);
+        const Triple f = tet_face(tets_.T.row(t), k);
         if (facet_of[i] < 0) {
           facet_of[i] = static_cast<Index>(out_.facets.size());
           Facet facet;

@@ -625,7 +625,8 @@ class Formula {
       if (with_border.count(piece) || solver_.holds(closed[c])) continue;
       Row clause{closed[c]};
       for (const auto& [copy, not_ways] : ways)
-        if (pieces.root(copy) == piece) clause.insert(clause.end(), not_ways.begin(), not_ways.end());
+        if (static_cast<std::size_t>(pieces.root(copy)) == piece)
+          clause.insert(clause.end(), not_ways.begin(), not_ways.end());
       std::sort(clause.begin(), clause.end());
       clause.erase(std::unique(clause.begin(), clause.end()), clause.end());
       lacking.push_back(std::move(clause));

@@ -3,15 +3,14 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <chrono>
-#include <iterator>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "kernels/core/tuning.h"
 #include "kernels/parallel/parallel.h"
-#include "src/cdt/tetgen.h"
 #include "src/immersion/boundary_recovery.h"
+#include "src/immersion/cell_mesh.h"
 #include "src/immersion/covering_complex.h"
 #include "src/immersion/sheets.h"
 #include "src/immersion/tuning.h"
@@ -21,7 +20,7 @@ namespace overtet {
 
 namespace {
 
-class Stopwatch {
+class Laps {
  public:
   double lap() {
     const auto now = std::chrono::steady_clock::now();
@@ -80,7 +79,7 @@ struct Realised {
 
 // Glues the cells of out.arrangement and makes a mesh of them.
 Realised realise(const Surface& surface, const TetgenResult& tets, std::span<const WoundEdge> wound,
-                 int variant, Stopwatch& watch, const RunContext& context, ImmersionResult& out) {
+                 int variant, Laps& watch, const RunContext& context, ImmersionResult& out) {
   Result<Sheets> sheets = assign_sheets(surface, out.arrangement, tets, wound, variant, context);
   if (!sheets) return {false, sheets.error()};
   out.cells = static_cast<Index>(sheets.value().winding.size());
@@ -114,64 +113,30 @@ Result<ImmersionResult> attempt(const Surface& surface, const std::vector<FacePa
                                 std::span<const WoundEdge> wound, const ImmersionOptions& options,
                                 double tolerance, const RunContext& context) {
   ImmersionResult out;
-  Stopwatch watch;
-  context.report("immersion", 0, "arrangement");
-  // The Delaunay tets of the surface's own vertices are serial work and need no arrangement.
-  std::optional<Result<Arrangement>> arranged;
-  DelaunayStart delaunay;
-  parallel_invoke([&] { arranged = arrange(surface, pairs, {tolerance}, context); },
-                  [&] {
-                    if (tolerance == 0) delaunay = begin_delaunay(surface.V, surface.F, context);
-                  });
-  Result<Arrangement>& arrangement = *arranged;
-  if (!arrangement) return arrangement.error();
-  out.arrangement = std::move(arrangement).value();
-  out.arrangement_seconds = watch.lap();
-
-  context.report("immersion", 0.2, "tet mesh");
-  Plc plc;
-  plc.V = out.arrangement.V;
-  plc.F = out.arrangement.F;
-  plc.markers.resize(plc.F.rows());
-  for (std::size_t g = 0; g < plc.markers.size(); ++g) plc.markers[g] = static_cast<Index>(g) + 1;
-  TetgenOptions tetgen;
-  tetgen.quality = options.radius_edge > 0 && worth_refining(plc.V, plc.F);
-  if (tetgen.quality) tetgen.radius_edge = options.radius_edge;
-  tetgen.patience = options.patience;
-  tetgen.free_points = true;
-  tetgen.accept_split = true;  // added points leave the boundary like those of the arrangement
-  if (delaunay.builder.points() - delaunay.free_points.rows() != out.arrangement.input_positions)
-    delaunay = {};  // vertices in one place
-  Result<TetgenResult> tets = tetrahedralize_stubbornly(plc, tetgen, context, std::move(delaunay));
-  if (!tets) return tets.error();
-  out.tet_mesh_seconds = watch.lap();
-  out.steiner_points = static_cast<Index>(tets.value().V.rows() - plc.V.rows()) - tets.value().free_points;
-  out.missing_facets = tets.value().missing_facets;
-  out.tetgen_facets = tets.value().tetgen_facets;
-  out.tetgen_parts = tets.value().parts;
+  Laps watch;
+  Result<CellMesh> cells =
+      mesh_cells(surface, pairs, {options.radius_edge, options.patience, tolerance}, context);
+  if (!cells) return cells.error();
+  out.arrangement = std::move(cells.value().arrangement);
+  out.arrangement_seconds = cells.value().arrangement_seconds;
+  const TetgenResult& tets = cells.value().tets;
+  out.tet_mesh_seconds = cells.value().tet_mesh_seconds;
+  watch.lap();
+  out.steiner_points = static_cast<Index>(tets.V.rows() - out.arrangement.V.rows()) - tets.free_points;
+  out.missing_facets = tets.missing_facets;
+  out.tetgen_facets = tets.tetgen_facets;
+  out.tetgen_parts = tets.parts;
 
   context.report("immersion", 0.6, "gluing");
   // Where points cannot leave the boundary of one solution, they may be able to leave that of another one.
   std::optional<Error> failure;
   for (int variant = 0; variant < kInVain; ++variant) {
-    const Realised done = realise(surface, tets.value(), wound, variant, watch, context, out);
+    const Realised done = realise(surface, tets, wound, variant, watch, context, out);
     if (!done.failure) return out;
     if (!failure || done.failure->code != ErrorCode::unsolved) failure = done.failure;
     if (failure->code != ErrorCode::unsolved || !done.glued) break;
   }
   return *failure;
-}
-
-// Faces that intersect and nearly lie in one plane: where exact cuts depend on the last bits.
-bool nearly_coincides(const Surface& surface, const std::vector<FacePair>& pairs) {
-  const auto normal = [&](Index f) {
-    const Eigen::Vector3d a = surface.V.row(surface.F(f, 0)), b = surface.V.row(surface.F(f, 1)),
-                          c = surface.V.row(surface.F(f, 2));
-    return Eigen::Vector3d((b - a).cross(c - a).normalized());
-  };
-  return std::any_of(pairs.begin(), pairs.end(), [&](const FacePair& p) {
-    return normal(p.first).cross(normal(p.second)).norm() < kFlat;
-  });
 }
 
 }  // namespace
@@ -180,10 +145,8 @@ Result<ImmersionResult> immerse(const Surface& surface, const std::vector<FacePa
                                 std::span<const WoundEdge> wound, const ImmersionOptions& options,
                                 const RunContext& context) {
   if (Status valid = options.validate(); !valid) return valid.error();
-  std::vector<double> order(std::begin(kTolerances), std::end(kTolerances));
-  order.insert(order.begin() + (nearly_coincides(surface, pairs) ? kCoincidentFirst : 0), 0.0);
   std::optional<Error> failure;
-  for (const double tolerance : order) {
+  for (const double tolerance : arrangement_tolerances(surface, pairs)) {
     Result<ImmersionResult> result = attempt(surface, pairs, wound, options, tolerance, context);
     if (result || result.error().code != ErrorCode::unsolved) return result;
     Error error = result.error();

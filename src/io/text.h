@@ -90,6 +90,8 @@ class TextCursor {
     return true;
   }
 
+  bool is_at(char c) const { return p_ != end_ && *p_ == c; }
+
   // pre: !at_line_end(). A token ends at a blank, a line end or a comment.
   std::string_view token() {
     OVERTET_EXPECTS(p_ != end_ && *p_ != '\n');

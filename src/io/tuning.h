@@ -29,4 +29,7 @@ constexpr std::size_t kMostSpread = 64;
 // Characters that a number in an Abaqus file may have: CalculiX reads no more.
 constexpr std::size_t kMostCharacters = 20;
 
+// Of weights of a skin, parts of their sum: what is less is 0 in glTF's weights of 16 bits.
+constexpr double kLeastSkinWeight = 0.5 / 65535;
+
 }  // namespace overtet

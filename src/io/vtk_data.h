@@ -26,4 +26,7 @@ Result<MeshParts> parts_of(std::string_view name, VtkDataSet&& data, std::string
 // "1 inlet\n2 outlet\n": names of labels, as bytes of a field that every program reads as numbers.
 std::string text_of_names(const std::map<Index, std::string>& names);
 
+// Without what XML does not take as it is.
+std::string escaped(std::string_view name);
+
 }  // namespace overtet::io_detail

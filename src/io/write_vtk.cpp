@@ -44,24 +44,6 @@ void base64(TextWriter& out, const void* data, std::size_t size) {
   out.text(block).end_line();
 }
 
-// What XML does not take as it is.
-std::string escaped(std::string_view name) {
-  std::string out;
-  for (const char c : name) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '"')
-      out += "&quot;";
-    else
-      out += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
-  }
-  return out;
-}
-
 // A name in a legacy file has no blanks.
 std::string one_word(std::string_view name) {
   std::string out(name);

@@ -4,7 +4,6 @@
 #include <system_error>
 
 #include "overtet/io.h"
-#include "src/io/file.h"
 
 namespace overtet {
 
@@ -41,13 +40,9 @@ Status FlowSeries::add(VertexMatrix V, const TriangleMatrix& F) {
 }
 
 Status FlowSeries::write_list() const {
-  AtomicFile file;
-  if (Status s = file.open(folder_ + "/" + name() + ".pvd"); !s) return s;
-  std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n";
-  for (std::size_t i = 0; i < frames_; ++i)
-    text += "<DataSet timestep=\"" + std::to_string(i) + "\" file=\"" + numbered(name(), i) + "\"/>\n";
-  if (Status s = file.write(text + "</Collection>\n</VTKFile>\n"); !s) return s;
-  return file.commit();
+  std::vector<FileAtTime> files;
+  for (std::size_t i = 0; i < frames_; ++i) files.push_back({static_cast<double>(i), numbered(name(), i)});
+  return write_collection(folder_ + "/" + name() + ".pvd", files);
 }
 
 }  // namespace overtet

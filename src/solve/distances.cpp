@@ -38,15 +38,6 @@ Eigen::VectorXd lost_heat(const TetMesh& mesh) {
   return out;
 }
 
-Result<Eigen::VectorXd> solved(const SparseCholesky& factor, const Eigen::VectorXd& b) {
-  if (b.size() == 0) return b;
-  VertexMatrix right = VertexMatrix::Zero(b.size(), 3), left;
-  right.col(0) = b;
-  if (!factor.solve(right, left))
-    return Error{ErrorCode::limit, "There is not enough memory to solve this system."};
-  return Eigen::VectorXd(left.col(0));
-}
-
 }  // namespace
 
 Status DistanceOptions::validate() const {
@@ -98,7 +89,7 @@ Result<Eigen::VectorXd> HeatMethod::with_directions_of(const Eigen::VectorXd& u)
   Eigen::VectorXd right(free_);
   for (std::size_t v = 0; v < held_.size(); ++v)
     if (held_[v] >= 0) right[held_[v]] = divergence[static_cast<Eigen::Index>(v)];
-  const Result<Eigen::VectorXd> potential = solved(potential_, right);
+  const Result<Eigen::VectorXd> potential = solved_by(potential_, right);
   if (!potential) return potential;
   Eigen::VectorXd out = Eigen::VectorXd::Zero(std::ssize(held_));
   for (std::size_t v = 0; v < held_.size(); ++v)
@@ -136,7 +127,7 @@ Result<Eigen::VectorXd> HeatMethod::from(std::span<const Index> sources, const R
     reached[static_cast<std::size_t>(components_.of_vertex[static_cast<std::size_t>(v)])] = 1;
   }
   if (auto stop = context.stop()) return *stop;
-  Result<Eigen::VectorXd> heat = solved(heat_, start);
+  Result<Eigen::VectorXd> heat = solved_by(heat_, start);
   if (!heat) return heat;
   Eigen::VectorXd u = Eigen::VectorXd::Zero(vertices);
   for (Index v = 0; v < vertices; ++v)

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <string>
 
 #include "kernels/fem/elements.h"
@@ -20,12 +19,6 @@ using namespace solve_detail;
 using Clock = std::chrono::steady_clock;
 
 double since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
-
-Error not_finite(const char* what, const Eigen::Vector3d& p) {
-  char text[160];
-  std::snprintf(text, sizeof text, "The %s at (%.6g, %.6g, %.6g) is not finite.", what, p[0], p[1], p[2]);
-  return {ErrorCode::bad_input, text, std::array<double, 3>{p[0], p[1], p[2]}};
-}
 
 // The equations of one field, from the options to the solution.
 class FieldSystem {
@@ -81,18 +74,11 @@ class FieldSystem {
   // Calls f(triangle) for those that a condition is given for.
   template <class F>
   Status each_triangle(const BoundaryValue& given, F&& f) const {
-    const std::vector<Index>& labels = mesh_.attributes.labels.of;
-    bool found = false;
-    for (Eigen::Index i = 0; i < mesh_.attributes.triangles.rows(); ++i) {
-      if (given.label && (labels.empty() || labels[static_cast<std::size_t>(i)] != *given.label)) continue;
-      found = true;
+    const Result<std::vector<Index>> triangles = triangles_with(mesh_, given.label);
+    if (!triangles) return triangles.error();
+    for (const Index i : triangles.value())
       if (Status s = f(i); !s) return s;
-    }
-    if (found) return success();
-    return Error{ErrorCode::usage,
-                 given.label ? "No triangle of the mesh has the label " + std::to_string(*given.label) + "."
-                             : std::string("The mesh has no boundary triangles; write it with its boundary, "
-                                           "or give values at vertices.")};
+    return success();
   }
 
   Status give_values() {

@@ -25,11 +25,9 @@ Status solve_directly(const LinearSystem& system, LinearSolution& out, const Run
   out.solver = LinearSolver::direct;
   out.factor_entries = factor.value().factor_entries();
   out.seconds_factor += lap(begin);
-  VertexMatrix right = VertexMatrix::Zero(system.b.size(), 3), left;
-  right.col(0) = system.b;
-  if (!factor.value().solve(right, left))
-    return Error{ErrorCode::limit, "There is not enough memory to solve this system."};
-  out.x = left.col(0);
+  Result<Eigen::VectorXd> x = solved_by(factor.value(), system.b);
+  if (!x) return x.error();
+  out.x = std::move(x).value();
   const double size = system.b.norm();
   out.residual = (times(system.A, out.x) - system.b).norm() / (size > 0 ? size : 1);
   out.seconds_solve += lap(begin);

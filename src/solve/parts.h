@@ -1,9 +1,11 @@
 // What the solvers share. Internal to src/solve.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "kernels/sparse/cholesky.h"
+#include "overtet/attributes.h"
 #include "overtet/result.h"
 #include "overtet/run_context.h"
 #include "overtet/types.h"
@@ -18,6 +20,12 @@ struct Components {
 };
 Components components_of(const VertexMatrix& V, const TetMatrix& T);
 
+// The boundary triangles with this label, or all; at least one. Errors: usage.
+Result<std::vector<Index>> triangles_with(const LabelledTetMesh& mesh, const std::optional<Index>& label);
+
+// That a function's value is not.
+Error not_finite(const char* what, const Eigen::Vector3d& place);
+
 // Errors: bad_input, where a tet is not positive.
 Status check(const TetMesh& mesh);
 
@@ -27,8 +35,15 @@ SymmetricMatrix kept_part(const SymmetricMatrix& A, const std::vector<Index>& nu
 // A x, of one column.
 Eigen::VectorXd times(const SymmetricMatrix& A, const Eigen::VectorXd& x);
 
-// Of matrices of volume meshes. Errors: unsolved (not positive definite, or out of memory), interrupted,
-// limit.
-Result<SparseCholesky> factored(const SymmetricMatrix& A, const RunContext& context);
+// Of a system that cannot be factored: flat tets, or memory.
+Error not_definite();
+
+// Of matrices of volume meshes. natural: rows stay in their order. Errors: unsolved (not positive definite,
+// or out of memory), interrupted, limit.
+Result<SparseCholesky> factored(const SymmetricMatrix& A, const RunContext& context,
+                                CholeskyOptions::Ordering ordering = CholeskyOptions::Ordering::automatic);
+
+// Errors: limit.
+Result<Eigen::VectorXd> solved_by(const SparseCholesky& factor, const Eigen::VectorXd& b);
 
 }  // namespace overtet::solve_detail

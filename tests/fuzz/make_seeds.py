@@ -232,6 +232,12 @@ def written(program):
 def others():
     put("sizes", "mixed", "# one a vertex\n1 0 2.5\n1e-3 +7\n\n0.0000001\n")
     put("sizes", "wrong", "1 -2\n")
+    put("handles", "json", '{"handles":[{"name":"a","head":[0,0,0],"tail":[1,0,0]},{"name":"b","tail":3,"parent":"a"},'
+        '{"name":"c","vertex":1},{"name":"d","position":[0,1,2],"layer":1}],"cage_edges":[["c","d"]]}\n%\n'
+        '{"a":{"axis":[0,0,1],"degrees":9},"c":{"matrix":[[1,0,0,0],[0,1,0,0],[0,0,1,0]]}}\n%\n'
+        'vertex,a,b,c,d\n0,.1,.2,.3,.4\n')
+    put("handles", "tgf", '1 0 0 0\n2 1 0 0\n3 2 0 .5\n4 1 1 1\n#\n1 2 1 0 0\n2 3 1\n%\n{"bone_1":{"quaternion":[0,0,1,1]}}\n%\n'
+        'vertex,point_4,bone_1,"bone_2"\n0,0,1,0\n')
     put("gzip", "text", gzip.compress(b"OFF\n4 4 6\n" * 9, mtime=0))
     put("gzip", "members", gzip.compress(b"abc", mtime=0) + gzip.compress(bytes(range(256)), 1, mtime=0) + b"\0\0\0")
     put("gzip", "zlib", b"\x14" + zlib.compress(b"x" * 20))

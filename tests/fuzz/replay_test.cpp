@@ -20,12 +20,12 @@ using Target = std::pair<const char*, void (*)(std::string_view)>;
 #define OVERTET_FUZZ_TARGET(name) \
   Target { #name, name }
 const Target kTargets[] = {
-    OVERTET_FUZZ_TARGET(obj),     OVERTET_FUZZ_TARGET(off),     OVERTET_FUZZ_TARGET(ply),
-    OVERTET_FUZZ_TARGET(stl),     OVERTET_FUZZ_TARGET(gltf),    OVERTET_FUZZ_TARGET(medit),
-    OVERTET_FUZZ_TARGET(gmsh),    OVERTET_FUZZ_TARGET(vtk_xml), OVERTET_FUZZ_TARGET(vtk),
-    OVERTET_FUZZ_TARGET(abaqus),  OVERTET_FUZZ_TARGET(tetgen),  OVERTET_FUZZ_TARGET(sizes),
-    OVERTET_FUZZ_TARGET(gzip),    OVERTET_FUZZ_TARGET(resume),  OVERTET_FUZZ_TARGET(cleanup),
-    OVERTET_FUZZ_TARGET(journal), OVERTET_FUZZ_TARGET(manifest)};
+    OVERTET_FUZZ_TARGET(obj),     OVERTET_FUZZ_TARGET(off),      OVERTET_FUZZ_TARGET(ply),
+    OVERTET_FUZZ_TARGET(stl),     OVERTET_FUZZ_TARGET(gltf),     OVERTET_FUZZ_TARGET(medit),
+    OVERTET_FUZZ_TARGET(gmsh),    OVERTET_FUZZ_TARGET(vtk_xml),  OVERTET_FUZZ_TARGET(vtk),
+    OVERTET_FUZZ_TARGET(abaqus),  OVERTET_FUZZ_TARGET(tetgen),   OVERTET_FUZZ_TARGET(sizes),
+    OVERTET_FUZZ_TARGET(gzip),    OVERTET_FUZZ_TARGET(resume),   OVERTET_FUZZ_TARGET(cleanup),
+    OVERTET_FUZZ_TARGET(journal), OVERTET_FUZZ_TARGET(manifest), OVERTET_FUZZ_TARGET(handles)};
 #undef OVERTET_FUZZ_TARGET
 
 std::vector<std::filesystem::path> files_in(const std::string& folder) {

@@ -23,6 +23,8 @@ void abaqus(std::string_view bytes);
 void tetgen(std::string_view bytes);
 
 void sizes(std::string_view bytes);
+// Handles, a pose of them and a table of their weights, with a line "%" between them.
+void handles(std::string_view bytes);
 // A compressed file. Also the bytes themselves, compressed.
 void gzip(std::string_view bytes);
 // Saved stages: stages.json, a surface and a tet mesh, with a line "%" between them.

@@ -1,5 +1,5 @@
-// Convergence on a ball that Overtet meshes, at three sizes, against smooth exact solutions. They are given on
-// the boundary of the polyhedron, so that its distance from the sphere is no error.
+// Convergence on a ball that Overtet meshes, at three sizes, against smooth exact solutions. They are given
+// on the boundary of the polyhedron, so that its distance from the sphere is no error.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,8 +12,8 @@
 namespace overtet {
 namespace {
 
-using test::Place;
-using Slope = std::function<Place(const Place&)>;
+using Point = Eigen::Vector3d;
+using Slope = std::function<Point(const Point&)>;
 
 struct Ball {
   LabelledTetMesh mesh;
@@ -37,13 +37,13 @@ const std::vector<Ball>& balls() {
   return all;
 }
 
-double exact(const Place& p) { return std::sin(2 * p[0]) * std::exp(p[1]) * std::cos(p[2]); }
-Place exact_slope(const Place& p) {
+double exact(const Point& p) { return std::sin(2 * p[0]) * std::exp(p[1]) * std::cos(p[2]); }
+Point exact_slope(const Point& p) {
   const double e = std::exp(p[1]);
   return {2 * std::cos(2 * p[0]) * e * std::cos(p[2]), exact(p), -std::sin(2 * p[0]) * e * std::sin(p[2])};
 }
-double harmonic(const Place& p) { return std::sin(p[0]) * std::exp(p[1]); }
-Place harmonic_slope(const Place& p) {
+double harmonic(const Point& p) { return std::sin(p[0]) * std::exp(p[1]); }
+Point harmonic_slope(const Point& p) {
   return {std::cos(p[0]) * std::exp(p[1]), std::sin(p[0]) * std::exp(p[1]), 0};
 }
 
@@ -51,11 +51,13 @@ struct Errors {
   double value = 0, slope = 0;  // L2 norms of u - u_h, and of its gradient
 };
 
-// With three Gauss points in each direction of a cube that is folded into the tet: exact up to degree 3 and better.
+// With three Gauss points in each direction of a cube that is folded into the tet: exact up to degree 3 and
+// better.
 Errors errors_of(const LabelledTetMesh& m, const Field& field, int order, const ScalarFunction& u,
                  const Slope& slope) {
   const TetElements elements(m.mesh.V, m.mesh.T, order);
-  const double at[3] = {0.5 - std::sqrt(0.15), 0.5, 0.5 + std::sqrt(0.15)}, weight[3] = {5 / 18., 8 / 18., 5 / 18.};
+  const double at[3] = {0.5 - std::sqrt(0.15), 0.5, 0.5 + std::sqrt(0.15)},
+               weight[3] = {5 / 18., 8 / 18., 5 / 18.};
   Errors sum;
   for (Index t = 0; t < elements.tets(); ++t) {
     const TetShape& s = elements.shape(t);
@@ -64,15 +66,15 @@ Errors errors_of(const LabelledTetMesh& m, const Field& field, int order, const 
       const double a = at[i], b = (1 - a) * at[j], c = (1 - a - b) * at[k];
       const double part = 6 * s.volume * weight[i] * weight[j] * weight[k] * (1 - a) * (1 - a - b);
       const double bary[4] = {1 - a - b - c, a, b, c};
-      Place p = Place::Zero(), gradient = Place::Zero();
+      Point p = Point::Zero(), gradient = Point::Zero();
       double value = 0;
-      const auto add = [&](int node, double shape, const Place& derivative) {
+      const auto add = [&](int node, double shape, const Point& derivative) {
         value += shape * field.values[elements.node(t, node)];
         gradient += derivative * field.values[elements.node(t, node)];
       };
       for (int n = 0; n < 4; ++n) {
         p += bary[n] * m.mesh.V.row(m.mesh.T(t, n)).transpose();
-        const Place d = s.gradient.row(n);
+        const Point d = s.gradient.row(n);
         if (order == 1)
           add(n, bary[n], d);
         else
@@ -113,7 +115,7 @@ TEST(Ball, PoissonConvergesWithTheOrderOfTheElements) {
       o.equation = FieldEquation::poisson;
       o.order = order;
       o.values = {test::everywhere(exact)};
-      o.source = [](const Place& p) { return 4 * exact(p); };
+      o.source = [](const Point& p) { return 4 * exact(p); };
       const Result<Field> f = solve_field(ball.mesh, o);
       ASSERT_TRUE(f.ok()) << f.error().message;
       errors.push_back(errors_of(ball.mesh, f.value(), order, exact, exact_slope));
@@ -133,12 +135,12 @@ TEST(Ball, LaplaceWithFluxesConverges) {
       FieldOptions o;
       o.order = order;
       for (Index f = 0; f < m.attributes.triangles.rows(); ++f) {
-        const Place normal = test::outer_normal(m, f);
+        const Point normal = test::outer_normal(m, f);
         if (normal[2] > 0)
           o.values.push_back(test::on_triangle(f, harmonic));
         else
           o.fluxes.push_back(
-              test::on_triangle(f, [normal](const Place& p) { return normal.dot(harmonic_slope(p)); }));
+              test::on_triangle(f, [normal](const Point& p) { return normal.dot(harmonic_slope(p)); }));
       }
       const Result<Field> f = solve_field(m, o);
       ASSERT_TRUE(f.ok()) << f.error().message;
@@ -158,10 +160,9 @@ TEST(Ball, BiharmonicConverges) {
     o.equation = FieldEquation::biharmonic;
     o.values = {test::everywhere(exact)};
     for (Index f = 0; f < m.attributes.triangles.rows(); ++f)
-      o.fluxes.push_back(test::on_triangle(f, [normal = test::outer_normal(m, f)](const Place& p) {
-        return normal.dot(exact_slope(p));
-      }));
-    o.source = [](const Place& p) { return 16 * exact(p); };
+      o.fluxes.push_back(test::on_triangle(
+          f, [normal = test::outer_normal(m, f)](const Point& p) { return normal.dot(exact_slope(p)); }));
+    o.source = [](const Point& p) { return 16 * exact(p); };
     const Result<Field> f = solve_field(m, o);
     ASSERT_TRUE(f.ok()) << f.error().message;
     errors.push_back(errors_of(m, f.value(), 1, exact, exact_slope));
@@ -190,8 +191,9 @@ TEST(Ball, GeodesicsConverge) {
       const Eigen::VectorXd error = (found.value() - away).cwiseAbs();
       errors.push_back({error.mean(), error.maxCoeff()});
     }
-    const Errors found = rates(centre ? "Distances from the centre (mean, largest)"
-                                      : "Distances from the boundary (mean, largest)", errors);
+    const Errors found = rates(
+        centre ? "Distances from the centre (mean, largest)" : "Distances from the boundary (mean, largest)",
+        errors);
     EXPECT_GE(found.value, 0.9);
   }
 }

@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
+#include <atomic>
 #include <limits>
 #include <random>
+#include <thread>
 #include <vector>
 
 namespace overtet {
@@ -52,6 +55,36 @@ TEST(SparseCholesky, SolvesWithEveryOption) {
       }
     }
   }
+}
+
+// Also with a BLAS that has no locks of its own (libopenblas0-serial).
+TEST(SparseCholesky, FactorsInSeveralThreads) {
+  const SymmetricMatrix A = random_matrix(700, 13);
+  const VertexMatrix expected = VertexMatrix::Random(700, 3);
+  VertexMatrix b;
+  multiply(A, expected, b);
+  std::vector<std::thread> threads;
+  std::atomic<int> wrong = 0;
+  for (int t = 0; t < 4; ++t)
+    threads.emplace_back([&] {
+      SparseCholesky factor({CholeskyOptions::Ordering::amd, CholeskyOptions::Method::supernodal});
+      if (!factor.analyze(A)) ++wrong;
+      VertexMatrix x;
+      for (int n = 0; n < 20; ++n)
+        if (!factor.factor(A) || !factor.solve(b, x) || (x - expected).norm() > 1e-10 * expected.norm())
+          ++wrong;
+    });
+  for (std::thread& t : threads) t.join();
+  EXPECT_EQ(wrong, 0);
+}
+
+TEST(SparseCholesky, OrdersPartsAsTheWhole) {
+  const SymmetricMatrix A = random_matrix(200, 17);
+  SparseCholesky whole({CholeskyOptions::Ordering::metis, CholeskyOptions::Method::simplicial});
+  ASSERT_TRUE(whole.analyze(A));
+  std::vector<int> order = whole.order();
+  std::sort(order.begin(), order.end());
+  for (int i = 0; i < 200; ++i) EXPECT_EQ(order[static_cast<std::size_t>(i)], i);
 }
 
 TEST(SparseCholesky, RefactorsWithTheSamePattern) {

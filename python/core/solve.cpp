@@ -1,0 +1,119 @@
+#include "python/core/solve.h"
+
+#include <pybind11/stl.h>
+
+#include <exception>
+#include <limits>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "overtet/solve.h"
+#include "python/core/arrays.h"
+#include "python/core/calls.h"
+#include "python/core/records.h"
+
+namespace overtet::python {
+
+namespace {
+
+using namespace py::literals;
+
+py::array array_of_values(Eigen::VectorXd v) {
+  const auto rows = static_cast<py::ssize_t>(v.size());
+  return owned<double>(std::move(v), {rows});
+}
+
+// Python's functions of a place, which the library calls from its threads. What the first of them raises is
+// kept, and raised when the library has returned.
+class PythonFunctions {
+ public:
+  // given: a number, or a function of x, y and z.
+  ScalarFunction take(const py::object& given) {
+    if (!PyCallable_Check(given.ptr())) {
+      const auto value = given.cast<double>();
+      return [value](const Eigen::Vector3d&) { return value; };
+    }
+    kept_.push_back(given);
+    return [this, function = given.ptr()](const Eigen::Vector3d& p) {
+      const py::gil_scoped_acquire acquired;
+      const double none = std::numeric_limits<double>::quiet_NaN();
+      if (raised_) return none;
+      try {
+        return py::reinterpret_borrow<py::object>(function)(p[0], p[1], p[2]).cast<double>();
+      } catch (...) {
+        raised_ = std::current_exception();
+        return none;
+      }
+    };
+  }
+
+  void raise_what_was_raised() const {
+    if (raised_) std::rethrow_exception(raised_);
+  }
+
+ private:
+  std::vector<py::object> kept_;  // while the library has their pointers
+  std::exception_ptr raised_;     // with the GIL held
+};
+
+// given: (where, function); where: None (all), a label, or an array of vertices.
+std::vector<BoundaryValue> values_of(const py::list& given, PythonFunctions& functions) {
+  std::vector<BoundaryValue> out;
+  for (const py::handle& item : given) {
+    const auto pair = py::reinterpret_borrow<py::tuple>(item);
+    BoundaryValue b;
+    if (py::isinstance<py::int_>(pair[0]))
+      b.label = pair[0].cast<Index>();
+    else if (!pair[0].is_none())
+      b.vertices = vector_of<Index>(pair[0]);
+    b.function = functions.take(pair[1]);
+    out.push_back(std::move(b));
+  }
+  return out;
+}
+
+py::dict solve_(const py::dict& mesh, const py::dict& options, const py::dict& run) {
+  const LabelledTetMesh tets = labelled_tets_of(mesh);
+  FieldOptions o;
+  const auto equation = options["equation"].cast<std::string>();
+  o.equation = equation == "poisson"      ? FieldEquation::poisson
+               : equation == "biharmonic" ? FieldEquation::biharmonic
+                                          : FieldEquation::laplace;
+  o.order = options["order"].cast<int>();
+  PythonFunctions functions;
+  o.values = values_of(options["values"], functions);
+  o.fluxes = values_of(options["fluxes"], functions);
+  if (!options["source"].is_none()) o.source = functions.take(options["source"]);
+  Result<Field> solved = call(run, [&](const RunContext& context) { return solve_field(tets, o, context); });
+  functions.raise_what_was_raised();
+  Field f = value_of(std::move(solved));
+  return py::dict("nodes"_a = array_of(std::move(f.nodes)), "values"_a = array_of_values(std::move(f.values)),
+                  "energy"_a = f.energy, "residual"_a = f.residual);
+}
+
+std::shared_ptr<Distances> prepare_distances(const py::handle& V, const py::handle& T, double smoothing,
+                                             const py::dict& run) {
+  const TetMesh mesh = tets_of(V, T);
+  DistanceOptions options;
+  options.smoothing = smoothing;
+  return std::make_shared<Distances>(value_of(
+      call(run, [&](const RunContext& context) { return Distances::prepare(mesh, options, context); })));
+}
+
+py::array distances_from(const Distances& distances, const py::handle& given, const py::dict& run) {
+  const std::vector<Index> sources = vector_of<Index>(given);
+  return array_of_values(
+      value_of(call(run, [&](const RunContext& context) { return distances.from(sources, context); })));
+}
+
+}  // namespace
+
+void add_solvers(py::module_& module) {
+  module.def("solve", &solve_);
+  py::class_<Distances, std::shared_ptr<Distances>>(module, "Distances")
+      .def(py::init(&prepare_distances))
+      .def("distances_from", &distances_from);
+}
+
+}  // namespace overtet::python
