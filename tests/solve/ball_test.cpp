@@ -12,8 +12,8 @@
 namespace overtet {
 namespace {
 
-using test::Place;
-using Slope = std::function<Place(const Place&)>;
+using Point = Eigen::Vector3d;
+using Slope = std::function<Point(const Point&)>;
 
 struct Ball {
   LabelledTetMesh mesh;
@@ -37,13 +37,13 @@ const std::vector<Ball>& balls() {
   return all;
 }
 
-double exact(const Place& p) { return std::sin(2 * p[0]) * std::exp(p[1]) * std::cos(p[2]); }
-Place exact_slope(const Place& p) {
+double exact(const Point& p) { return std::sin(2 * p[0]) * std::exp(p[1]) * std::cos(p[2]); }
+Point exact_slope(const Point& p) {
   const double e = std::exp(p[1]);
   return {2 * std::cos(2 * p[0]) * e * std::cos(p[2]), exact(p), -std::sin(2 * p[0]) * e * std::sin(p[2])};
 }
-double harmonic(const Place& p) { return std::sin(p[0]) * std::exp(p[1]); }
-Place harmonic_slope(const Place& p) {
+double harmonic(const Point& p) { return std::sin(p[0]) * std::exp(p[1]); }
+Point harmonic_slope(const Point& p) {
   return {std::cos(p[0]) * std::exp(p[1]), std::sin(p[0]) * std::exp(p[1]), 0};
 }
 
@@ -66,15 +66,15 @@ Errors errors_of(const LabelledTetMesh& m, const Field& field, int order, const 
       const double a = at[i], b = (1 - a) * at[j], c = (1 - a - b) * at[k];
       const double part = 6 * s.volume * weight[i] * weight[j] * weight[k] * (1 - a) * (1 - a - b);
       const double bary[4] = {1 - a - b - c, a, b, c};
-      Place p = Place::Zero(), gradient = Place::Zero();
+      Point p = Point::Zero(), gradient = Point::Zero();
       double value = 0;
-      const auto add = [&](int node, double shape, const Place& derivative) {
+      const auto add = [&](int node, double shape, const Point& derivative) {
         value += shape * field.values[elements.node(t, node)];
         gradient += derivative * field.values[elements.node(t, node)];
       };
       for (int n = 0; n < 4; ++n) {
         p += bary[n] * m.mesh.V.row(m.mesh.T(t, n)).transpose();
-        const Place d = s.gradient.row(n);
+        const Point d = s.gradient.row(n);
         if (order == 1)
           add(n, bary[n], d);
         else
@@ -115,7 +115,7 @@ TEST(Ball, PoissonConvergesWithTheOrderOfTheElements) {
       o.equation = FieldEquation::poisson;
       o.order = order;
       o.values = {test::everywhere(exact)};
-      o.source = [](const Place& p) { return 4 * exact(p); };
+      o.source = [](const Point& p) { return 4 * exact(p); };
       const Result<Field> f = solve_field(ball.mesh, o);
       ASSERT_TRUE(f.ok()) << f.error().message;
       errors.push_back(errors_of(ball.mesh, f.value(), order, exact, exact_slope));
@@ -135,12 +135,12 @@ TEST(Ball, LaplaceWithFluxesConverges) {
       FieldOptions o;
       o.order = order;
       for (Index f = 0; f < m.attributes.triangles.rows(); ++f) {
-        const Place normal = test::outer_normal(m, f);
+        const Point normal = test::outer_normal(m, f);
         if (normal[2] > 0)
           o.values.push_back(test::on_triangle(f, harmonic));
         else
           o.fluxes.push_back(
-              test::on_triangle(f, [normal](const Place& p) { return normal.dot(harmonic_slope(p)); }));
+              test::on_triangle(f, [normal](const Point& p) { return normal.dot(harmonic_slope(p)); }));
       }
       const Result<Field> f = solve_field(m, o);
       ASSERT_TRUE(f.ok()) << f.error().message;
@@ -161,8 +161,8 @@ TEST(Ball, BiharmonicConverges) {
     o.values = {test::everywhere(exact)};
     for (Index f = 0; f < m.attributes.triangles.rows(); ++f)
       o.fluxes.push_back(test::on_triangle(
-          f, [normal = test::outer_normal(m, f)](const Place& p) { return normal.dot(exact_slope(p)); }));
-    o.source = [](const Place& p) { return 16 * exact(p); };
+          f, [normal = test::outer_normal(m, f)](const Point& p) { return normal.dot(exact_slope(p)); }));
+    o.source = [](const Point& p) { return 16 * exact(p); };
     const Result<Field> f = solve_field(m, o);
     ASSERT_TRUE(f.ok()) << f.error().message;
     errors.push_back(errors_of(m, f.value(), 1, exact, exact_slope));

@@ -8,7 +8,7 @@
 
 namespace overtet::test {
 
-using Place = Eigen::Vector3d;
+using Point = Eigen::Vector3d;
 
 // With its boundary triangles, each of which has its number as its label.
 inline LabelledTetMesh with_boundary(const TetMesh& mesh) {
@@ -32,8 +32,8 @@ inline BoundaryValue on_triangle(Index f, ScalarFunction u) {
   return {.label = f, .vertices = {}, .function = std::move(u)};
 }
 
-inline Place outer_normal(const LabelledTetMesh& m, Index f) {
-  const auto corner = [&](int k) -> Place { return m.mesh.V.row(m.attributes.triangles(f, k)); };
+inline Point outer_normal(const LabelledTetMesh& m, Index f) {
+  const auto corner = [&](int k) -> Point { return m.mesh.V.row(m.attributes.triangles(f, k)); };
   return (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized();
 }
 
