@@ -95,9 +95,10 @@ void ElasticBody::find_pattern() {
 }
 
 Matrix3d ElasticBody::gradient(std::int64_t t, const VertexMatrix& d) const {
-  Matrix3d G = Matrix3d::Zero();
-  for (int k = 0; k < 4; ++k) G += d.row(T_(t, k)).transpose() * shape_[t].gradient.row(k);
-  return G;
+  const Index* const v = tet(static_cast<Index>(t));
+  Matrix3d edges;  // a column each; the gradients of all four corners are 0 in sum
+  for (int k = 0; k < 3; ++k) edges.col(k) = (d.row(v[k + 1]) - d.row(v[0])).transpose();
+  return edges * shape_[t].gradient.bottomRows<3>();
 }
 
 double ElasticBody::energy(const VertexMatrix& x) const {
@@ -105,10 +106,14 @@ double ElasticBody::energy(const VertexMatrix& x) const {
   return sum(tets(), [&](std::int64_t t) { return shape_[t].volume * energy_density(law_, gradient(t, u)); });
 }
 
-void ElasticBody::stresses(const VertexMatrix& x, Stresses& P) const {
+double ElasticBody::stresses(const VertexMatrix& x, Stresses& P) const {
   const VertexMatrix u = x - rest_;
   P.resize(shape_.size());
-  each(tets(), [&](std::int64_t t) { P[t] = shape_[t].volume * piola_stress(law_, gradient(t, u)); });
+  return sum(tets(), [&](std::int64_t t) {
+    const Matrix3d G = gradient(t, u);
+    P[t] = shape_[t].volume * piola_stress(law_, G);
+    return shape_[t].volume * energy_density(law_, G);
+  });
 }
 
 void ElasticBody::tangents(const VertexMatrix& x, Tangent kind, Tangents& out) const {

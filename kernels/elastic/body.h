@@ -35,8 +35,9 @@ class ElasticBody {
 
   // Infinite where a tet is not positive.
   double energy(const VertexMatrix& x) const;
+  // The same, with the stresses; they are not finite where a tet is not positive.
+  double stresses(const VertexMatrix& x, Stresses& P) const;
   // pre for those: every tet of x is positive.
-  void stresses(const VertexMatrix& x, Stresses& P) const;
   void tangents(const VertexMatrix& x, Tangent kind, Tangents& out) const;
   Eigen::VectorXd von_mises(const VertexMatrix& x) const;  // #T
 

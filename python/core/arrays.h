@@ -106,6 +106,11 @@ py::array array_of(Eigen::Matrix<Scalar, Eigen::Dynamic, Columns, Eigen::RowMajo
   return owned<Scalar>(std::move(m), {rows, Columns});
 }
 
+inline py::array array_of_values(Eigen::VectorXd v) {
+  const auto rows = static_cast<py::ssize_t>(v.size());
+  return owned<double>(std::move(v), {rows});
+}
+
 template <class T>
 py::array array_of(std::vector<T> v) {
   const auto rows = static_cast<py::ssize_t>(v.size());

@@ -11,6 +11,7 @@
 #include "overtet/overtet.h"
 #include "python/core/arrays.h"
 #include "python/core/calls.h"
+#include "python/core/elastic.h"
 #include "python/core/records.h"
 #include "python/core/solve.h"
 #include "python/core/weights.h"
@@ -349,6 +350,7 @@ PYBIND11_MODULE(_core, m) {
   m.def("quality", &quality_);
   m.def("fused", &fused_);
   add_solvers(m);
+  add_elastic(m);
   add_weights(m);
   m.def("version", &version);
   m.def("usable_memory_bytes", &usable_memory_bytes);

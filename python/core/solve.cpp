@@ -11,6 +11,7 @@
 #include "overtet/solve.h"
 #include "python/core/arrays.h"
 #include "python/core/calls.h"
+#include "python/core/functions.h"
 #include "python/core/records.h"
 
 namespace overtet::python {
@@ -19,54 +20,13 @@ namespace {
 
 using namespace py::literals;
 
-py::array array_of_values(Eigen::VectorXd v) {
-  const auto rows = static_cast<py::ssize_t>(v.size());
-  return owned<double>(std::move(v), {rows});
-}
-
-// Python's functions of a place, which the library calls from its threads. What the first of them raises is
-// kept, and raised when the library has returned.
-class PythonFunctions {
- public:
-  // given: a number, or a function of x, y and z.
-  ScalarFunction take(const py::object& given) {
-    if (!PyCallable_Check(given.ptr())) {
-      const auto value = given.cast<double>();
-      return [value](const Eigen::Vector3d&) { return value; };
-    }
-    kept_.push_back(given);
-    return [this, function = given.ptr()](const Eigen::Vector3d& p) {
-      const py::gil_scoped_acquire acquired;
-      const double none = std::numeric_limits<double>::quiet_NaN();
-      if (raised_) return none;
-      try {
-        return py::reinterpret_borrow<py::object>(function)(p[0], p[1], p[2]).cast<double>();
-      } catch (...) {
-        raised_ = std::current_exception();
-        return none;
-      }
-    };
-  }
-
-  void raise_what_was_raised() const {
-    if (raised_) std::rethrow_exception(raised_);
-  }
-
- private:
-  std::vector<py::object> kept_;  // while the library has their pointers
-  std::exception_ptr raised_;     // with the GIL held
-};
-
 // given: (where, function); where: None (all), a label, or an array of vertices.
 std::vector<BoundaryValue> values_of(const py::list& given, PythonFunctions& functions) {
   std::vector<BoundaryValue> out;
   for (const py::handle& item : given) {
     const auto pair = py::reinterpret_borrow<py::tuple>(item);
     BoundaryValue b;
-    if (py::isinstance<py::int_>(pair[0]))
-      b.label = pair[0].cast<Index>();
-    else if (!pair[0].is_none())
-      b.vertices = vector_of<Index>(pair[0]);
+    put_place(pair[0], b.label, b.vertices);
     b.function = functions.take(pair[1]);
     out.push_back(std::move(b));
   }

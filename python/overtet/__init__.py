@@ -13,16 +13,17 @@ once, and print nothing. docs/python.md says more.
 from ._api import clean_up, embed, inspect, prepare, read, read_mesh, repair, tetrahedralize, verify, version, write
 from ._errors import (BadInput, Error, FileError, Infeasible, InternalError, Limit, MemoryLimit, Unsolved,
                       UsageError)
+from ._elastic import Elastic, elastic
 from ._skin import skinned, skinning_weights
 from ._solve import Distances, fused, solve
-from ._types import (CleanUp, Diagnosis, Embedding, Field, Fused, Mesh, Prepared, Quality, Repair, Skinned,
-                     SkinningWeights, Surface, Verification)
+from ._types import (CleanUp, Diagnosis, ElasticResult, ElasticStep, Embedding, Field, Fused, Mesh, Prepared, Quality, Repair,
+                     Skinned, SkinningWeights, Surface, Verification)
 
 __version__ = version()
 
-__all__ = ["tetrahedralize", "inspect", "verify", "repair", "embed", "solve", "Distances", "fused", "skinning_weights", "skinned", "clean_up", "prepare", "read", "read_mesh", "write",
+__all__ = ["tetrahedralize", "inspect", "verify", "repair", "embed", "solve", "Distances", "fused", "skinning_weights", "skinned", "elastic", "Elastic", "clean_up", "prepare", "read", "read_mesh", "write",
            "version", "Surface", "Mesh", "Quality", "Diagnosis", "Verification", "Repair", "Embedding", "CleanUp", "Prepared",
-           "Field", "Fused", "SkinningWeights", "Skinned",
+           "Field", "ElasticResult", "ElasticStep", "Fused", "SkinningWeights", "Skinned",
            "Error", "UsageError", "BadInput", "Unsolved", "Infeasible", "Limit", "MemoryLimit", "FileError",
            "InternalError"]
 

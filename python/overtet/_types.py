@@ -330,6 +330,43 @@ class Field:
 
 
 @dataclass(eq=False)
+class ElasticStep:
+    """A frame of an elastic body.
+
+    time: at its end. parts: that it was cut into, as tets would have become flat. iterations, line_search_steps,
+    factorisations: the work. residual: of the forces that are left over where nothing is held, relative to the forces in the
+    tets. converged: it is small enough, or as small as doubles allow. least_ratio: of a tet's volume to that at rest.
+    """
+
+    time: float
+    parts: int
+    iterations: int
+    line_search_steps: int
+    factorisations: int
+    elastic_energy: float
+    kinetic_energy: float
+    residual: float
+    converged: bool
+    least_ratio: float
+    seconds: float
+
+
+@dataclass(eq=False)
+class ElasticResult:
+    """The last frame of an elastic body: V (the places) and velocities (#V x 3), von_mises (#T, of Cauchy's stress), and the
+    steps that led there. converged: all of them."""
+
+    V: np.ndarray
+    velocities: np.ndarray
+    von_mises: np.ndarray
+    steps: List[ElasticStep]
+
+    @property
+    def converged(self) -> bool:
+        return all(step.converged for step in self.steps)
+
+
+@dataclass(eq=False)
 class Fused:
     """The mesh that others make, to compare with.
 

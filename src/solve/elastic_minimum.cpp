@@ -48,17 +48,18 @@ class Descent {
     return some ? d : VertexMatrix();
   }
 
-  VertexMatrix gradient(const VertexMatrix& x) {
-    VertexMatrix g = E_.gradient(x, size_);
-    for (Eigen::Index v = 0; v < g.rows(); ++v)
-      if ((*goal_.held)[static_cast<std::size_t>(v)]) g.row(v).setZero();
-    return g;
+  // With the gradient of what is free.
+  ElasticPotential::Slope slope(const VertexMatrix& x) const {
+    ElasticPotential::Slope s = E_.slope(x);
+    for (Eigen::Index v = 0; v < x.rows(); ++v)
+      if ((*goal_.held)[static_cast<std::size_t>(v)]) s.gradient.row(v).setZero();
+    return s;
   }
 
   // At most the tolerance where what is left is rounding.
-  double residual(const VertexMatrix& g) const {
-    const double norm = g.norm();
-    return norm > 0 ? norm / (size_ + E_.rounding / goal_.tolerance) : 0;
+  double residual(const ElasticPotential::Slope& s) const {
+    const double norm = s.gradient.norm();
+    return norm > 0 ? norm / (s.size + E_.rounding / goal_.tolerance) : 0;
   }
 
   // How much of the way d may be gone, at most 1.
@@ -71,7 +72,7 @@ class Descent {
   // Moves the held vertices and, with them, all others, whatever the energy. The part of the way that was
   // gone.
   Result<double> bring(const VertexMatrix& given) {
-    const Result<VertexMatrix> d = directions_.direction(E_, x_, gradient(x_), given, context_);
+    const Result<VertexMatrix> d = directions_.direction(E_, x_, slope(x_).gradient, given, context_);
     if (!d) return d.error();
     ++minimum_.iterations;
     double part = allowed(d.value());
@@ -91,24 +92,23 @@ class Descent {
   }
 
   Status descend(int most) {
-    VertexMatrix g = gradient(x_);
-    ElasticPotential::Value here = E_.value(x_);
+    ElasticPotential::Slope here = slope(x_);
     minimum_.converged = false;
     for (int iteration = 0;; ++iteration) {
-      minimum_.residual = residual(g);
+      minimum_.residual = residual(here);
       if (minimum_.residual <= goal_.tolerance) {
         minimum_.converged = true;
         return success();
       }
       if (iteration == most) return success();
-      const Result<VertexMatrix> d = directions_.direction(E_, x_, g, {}, context_);
+      const Result<VertexMatrix> d = directions_.direction(E_, x_, here.gradient, {}, context_);
       if (!d) return d.error();
       ++minimum_.iterations;
-      const double slope = g.cwiseProduct(d.value()).sum();
-      if (slope < 0) {
-        const double part = go(d.value(), slope, g, here);
+      const double fall = here.gradient.cwiseProduct(d.value()).sum();
+      if (fall < 0) {
+        const double part = go(d.value(), fall, here);
         if (part > 0) continue;
-        if (negligible(slope, here)) {
+        if (negligible(fall, here)) {
           minimum_.converged = true;  // as far as doubles can tell
           return success();
         }
@@ -118,31 +118,26 @@ class Descent {
   }
 
   // Whether a whole step changes the energy by less than its rounding.
-  static bool negligible(double slope, const ElasticPotential::Value& here) {
-    return -slope <= kRoundedLength * here.size;
+  static bool negligible(double fall, const ElasticPotential::Slope& here) {
+    return -fall <= kRoundedLength * here.value.size;
   }
 
   // Goes along d as far as the energy falls as it should [Armijo 1966]; where that cannot be told for
-  // rounding, the gradient decides. Returns the part that was gone; 0: nothing changes.
-  double go(const VertexMatrix& d, double slope, VertexMatrix& g, ElasticPotential::Value& here) {
-    const bool by_gradient = negligible(slope, here);
+  // rounding, the gradient decides. fall: the energy's derivative on the way. Returns the part that was gone;
+  // 0: nothing changes.
+  double go(const VertexMatrix& d, double fall, ElasticPotential::Slope& here) {
+    const bool by_gradient = negligible(fall, here);
     double part = allowed(d);
     for (int halving = 0; halving < kMostRounds && part > 0;
          ++halving, part /= 2, ++minimum_.line_search_steps) {
       const VertexMatrix to = x_ + part * d;
-      const ElasticPotential::Value there = E_.value(to);
-      if (!by_gradient && !(there.sum <= here.sum + kPrecise * part * slope)) continue;
-      if (E_.body->first_flipped(to) >= 0) continue;
-      const double before = size_;
-      VertexMatrix g_there = gradient(to);
-      if (by_gradient && !(g_there.norm() < g.norm())) {
-        size_ = before;
-        continue;
-      }
-      directions_.gone(part, to - x_, g_there - g);
+      ElasticPotential::Slope there = slope(to);
+      const bool falls = by_gradient ? there.gradient.norm() < here.gradient.norm()
+                                     : there.value.sum <= here.value.sum + kPrecise * part * fall;
+      if (!falls || E_.body->first_flipped(to) >= 0) continue;
+      directions_.gone(part, to - x_, there.gradient - here.gradient);
       x_ = to;
-      g = std::move(g_there);
-      here = there;
+      here = std::move(there);
       return part;
     }
     return 0;
@@ -153,7 +148,6 @@ class Descent {
   ElasticDirections& directions_;
   VertexMatrix& x_;
   const RunContext& context_;
-  double size_ = 0;  // of the last gradient's terms
   ElasticMinimum minimum_;
 };
 

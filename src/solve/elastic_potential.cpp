@@ -4,48 +4,32 @@
 
 namespace overtet::solve_detail {
 
-namespace {
-
-// Sum of w_v |d_v|^2.
-double weighed_square(const Eigen::VectorXd& w, const VertexMatrix& d) {
-  return (w.array() * d.rowwise().squaredNorm().array()).sum();
-}
-
-}  // namespace
-
-ElasticPotential::Value ElasticPotential::value(const VertexMatrix& x) const {
-  Value v;
-  const auto add = [&](double part, double size) { v.sum += part, v.size += size; };
-  const double elastic = body->energy(x);
-  add(elastic, std::abs(elastic));
-  const VertexMatrix d = x - base;
-  const VertexMatrix work = force.cwiseProduct(d);
-  add(-work.sum(), work.cwiseAbs().sum());
-  const auto add_positive = [&](double part) { add(part, part); };
-  if (inertia > 0) add_positive(inertia / 2 * weighed_square(*mass, x - predicted));
-  if (drag > 0) add_positive(drag / 2 * weighed_square(*mass, d));
-  if (viscosity > 0) add_positive(viscosity / 2 * body->curvature(at_base, d));
-  return v;
-}
-
-VertexMatrix ElasticPotential::gradient(const VertexMatrix& x, double& size) const {
+ElasticPotential::Slope ElasticPotential::slope(const VertexMatrix& x) const {
+  Slope out;
+  Value& value = out.value;
   ElasticBody::Stresses P;
-  body->stresses(x, P);
   const VertexMatrix d = x - base;
-  if (viscosity > 0) body->add_change(at_base, d, viscosity, P);
+  value.sum = value.size = body->stresses(x, P);
+  const VertexMatrix work = force.cwiseProduct(d);
+  value.sum -= work.sum(), value.size += work.cwiseAbs().sum();
+  const auto add_positive = [&](double part) { value.sum += part, value.size += part; };
+  if (viscosity > 0) {
+    add_positive(viscosity / 2 * body->curvature(at_base, d));
+    body->add_change(at_base, d, viscosity, P);
+  }
   double inside = 0;
-  VertexMatrix g = body->gathered(P, inside);
+  out.gradient = body->gathered(P, inside) - force;
   double squares = inside * inside + force.squaredNorm();
-  g -= force;
   const auto add = [&](double rate, const VertexMatrix& way) {
     const VertexMatrix part = rate * (mass->asDiagonal() * way);
+    add_positive(part.cwiseProduct(way).sum() / 2);
     squares += part.squaredNorm();
-    g += part;
+    out.gradient += part;
   };
   if (inertia > 0) add(inertia, x - predicted);
   if (drag > 0) add(drag, d);
-  size = std::sqrt(squares);
-  return g;
+  out.size = std::sqrt(squares);
+  return out;
 }
 
 VertexMatrix ElasticPotential::change(const ElasticBody::Tangents& tangents, const VertexMatrix& d) const {

@@ -24,10 +24,13 @@ struct ElasticPotential {
     double sum = 0;
     double size = 0;  // of its terms, none of which is cancelled
   };
-  Value value(const VertexMatrix& x) const;
-
   // The derivative, by vertex; size: the length of its terms, in which nothing has cancelled.
-  VertexMatrix gradient(const VertexMatrix& x, double& size) const;
+  struct Slope {
+    Value value;
+    VertexMatrix gradient;
+    double size = 0;
+  };
+  Slope slope(const VertexMatrix& x) const;
   // The second derivative times d; tangents: of the body, at x.
   VertexMatrix change(const ElasticBody::Tangents& tangents, const VertexMatrix& d) const;
   // The second derivative.

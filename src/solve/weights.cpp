@@ -35,8 +35,10 @@ class WeightSystem {
       if (Status s = prepare(); !s) return s.error();
       out.factor_entries = qp_->factor_entries();
     }
-    Stopwatch watch(out.seconds_solve);
-    if (Status s = solve_all(out); !s) return s.error();
+    {
+      Stopwatch watch(out.seconds_solve);
+      if (Status s = solve_all(out); !s) return s.error();
+    }
     if (Status s = divide_by_sums(out); !s) return s.error();
     return out;
   }
