@@ -189,7 +189,7 @@ TEST(Overlap, DistancesFromASunkenFingerGoThroughIt) {
     const double most = along_edges(hand.mesh, tip)[static_cast<std::size_t>(palm)];
     EXPECT_GT(least, 5);
     EXPECT_GT(found.value()[palm], 0.95 * least);
-    // With six cells across the finger, the way around the bend comes out longer: at most by an eighth.
+    // With six cells across the finger, the way around the bend comes out longer, by less than .15 of it.
     EXPECT_LT(found.value()[palm], 1.15 * most);
   }
 }
