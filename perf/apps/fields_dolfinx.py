@@ -29,8 +29,8 @@ from petsc4py import PETSc
 SOLVERS = {
     "mumps": {"ksp_type": "preonly", "pc_type": "cholesky", "pc_factor_mat_solver_type": "mumps"},
     "hypre": {"ksp_type": "cg", "pc_type": "hypre", "pc_hypre_type": "boomeramg",
-              "pc_hypre_boomeramg_strong_threshold": 0.5, "ksp_rtol": 1e-10},
-    "gamg": {"ksp_type": "cg", "pc_type": "gamg", "ksp_rtol": 1e-10},
+              "pc_hypre_boomeramg_strong_threshold": 0.5, "ksp_rtol": 1e-12},
+    "gamg": {"ksp_type": "cg", "pc_type": "gamg", "ksp_rtol": 1e-12},
 }
 
 
