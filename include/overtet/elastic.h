@@ -40,9 +40,11 @@ enum class ElasticIntegrator {
 };
 
 enum class ElasticMethod {
-  newton,       // Newton's, the matrix factored in every iteration: few iterations, to any tolerance
-  quasi_newton  // L-BFGS on top of one matrix that is factored once [Liu, Bouaziz, Kavan 2017]: quick
-                // iterations
+  newton,  // Newton's, the matrix factored in every iteration: few iterations, to any tolerance
+  // L-BFGS on top of one matrix that is factored once [Liu, Bouaziz, Kavan 2017]: quick iterations. Ahead of
+  // Newton's while waves pass some edges in a frame, not ten (perf/README.md), and where little is asked of
+  // the residual; of no use for equilibria of thin bodies.
+  quasi_newton
 };
 
 // More than 12 members: each is a choice of its own.
