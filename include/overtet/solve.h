@@ -81,7 +81,8 @@ Result<Field> solve_field(const LabelledTetMesh& mesh, const FieldOptions& optio
                           const RunContext& context = {});
 
 struct DistanceOptions {
-  // Of the heat's time, in squares of the mean edge length: more is smoother and less exact.
+  // Of the heat's time, in squares of the edges' mean length (by volume), from 0.5 on: more is smoother and
+  // less exact.
   double smoothing = 1;
 
   Status validate() const;  // Errors: usage.

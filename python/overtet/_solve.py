@@ -82,7 +82,7 @@ class Distances:
         distances = overtet.Distances(mesh)
         distances.distances_from([0])          # #V; infinity where no way leads
 
-    smoothing: of the heat's time, in squares of the mean edge length.
+    smoothing: of the heat's time, in squares of the mean edge length, from .5 on.
     Raises UsageError, BadInput, Unsolved, Limit, KeyboardInterrupt.
     """
 

@@ -58,7 +58,7 @@ void add_distances(CLI::App& command, DistanceWords& distances) {
       ->group(of_distances);
   command
       .add_option("--smoothing", distances.smoothing, "The heat's time, in squares of the mean edge length")
-      ->check(between(1e-6, 1e6))
+      ->check(between(0.5, 1e6))
       ->capture_default_str()
       ->group(of_distances);
 }

@@ -10,6 +10,7 @@
 #include "kernels/fem/elements.h"
 #include "src/mesh/tet_complex.h"
 #include "src/solve/distances.h"
+#include "src/solve/tuning.h"
 
 namespace overtet {
 
@@ -17,11 +18,16 @@ using namespace solve_detail;
 
 namespace {
 
-double mean_edge(const TetMesh& mesh) {
-  double sum = 0;
-  for (Eigen::Index t = 0; t < mesh.T.rows(); ++t)
-    for (const auto& [i, j] : kTetEdge) sum += (mesh.V.row(mesh.T(t, i)) - mesh.V.row(mesh.T(t, j))).norm();
-  return mesh.T.rows() > 0 ? sum / (6 * static_cast<double>(mesh.T.rows())) : 0;
+// By volume: of a mesh that is fine at its surface, edges inside are what heat has to get along.
+double mean_edge(const TetElements& elements, const TetMesh& mesh) {
+  double sum = 0, volume = 0;
+  for (Index t = 0; t < elements.tets(); ++t) {
+    const double part = elements.shape(t).volume;
+    volume += part;
+    for (const auto& [i, j] : kTetEdge)
+      sum += part / 6 * (mesh.V.row(mesh.T(t, i)) - mesh.V.row(mesh.T(t, j))).norm();
+  }
+  return volume > 0 ? sum / volume : 0;
 }
 
 // Heat falls by exp(-distance / sqrt(time)), so that on the boundary its derivative is -cos/sqrt(time) of it,
@@ -41,8 +47,8 @@ Eigen::VectorXd lost_heat(const TetMesh& mesh) {
 }  // namespace
 
 Status DistanceOptions::validate() const {
-  if (!(smoothing > 0 && smoothing <= 1e6))
-    return Error{ErrorCode::usage, "The smoothing of distances must lie between 0 and 1e6."};
+  if (!(smoothing >= kLeastSmoothing && smoothing <= 1e6))
+    return Error{ErrorCode::usage, "The smoothing of distances must lie between 0.5 and 1e6."};
   return success();
 }
 
@@ -65,7 +71,7 @@ Result<HeatMethod> HeatMethod::prepare(const TetMesh& mesh, const DistanceOption
     if (std::exchange(begun[static_cast<std::size_t>(component)], 1)) x.held_[v] = x.free_++;
   }
   const SymmetricMatrix K = x.elements_.stiffness();
-  const double h = mean_edge(mesh);
+  const double h = mean_edge(x.elements_, mesh);
   SymmetricMatrix heat = options.smoothing * h * h * K;
   const Eigen::VectorXd mass = x.elements_.lumped_mass() + std::sqrt(options.smoothing) * h * lost_heat(mesh);
   for (Eigen::Index v = 0; v < heat.cols(); ++v) heat.coeffRef(v, v) += mass[v];

@@ -8,6 +8,11 @@ namespace overtet {
 // Unknowns of a field from which on multigrid solves faster than a factor (perf/README.md).
 constexpr std::ptrdiff_t kMultigridUnknowns = 500;
 
+// Time of the heat method, in squares of the mean edge length, below which heat falls so much along an edge
+// that linear elements lose its direction: at a quarter, distances on graded meshes of 10^5 to 10^6 tets were
+// wrong.
+constexpr double kLeastSmoothing = 0.5;
+
 // Interior point method: the share of the way to the border that a step goes, as it must not arrive there;
 // most steps (20 to 40 are usual); and the gaps, parts of the energy, at which the active set method has a
 // try. At 1e-12 it mostly succeeds, on 31,000 tets in the least time of several choices; the second gap is

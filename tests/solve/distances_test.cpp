@@ -1,9 +1,12 @@
 // Distances inside solids, by the heat method.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
+#include "overtet/meshing.h"
 #include "overtet/solve.h"
+#include "tests/support/flow_surfaces.h"
 #include "tests/support/tet_shapes.h"
 
 namespace overtet {
@@ -68,6 +71,28 @@ TEST(Distances, OtherComponentsAreOutOfReach) {
   EXPECT_EQ(from.value()[1], 0);
   for (Eigen::Index v = one.V.rows(); v < two.V.rows(); ++v) EXPECT_TRUE(std::isinf(from.value()[v]));
   EXPECT_EQ(d.value().from({}).error().code, ErrorCode::usage);
+}
+
+// A mesh that is fine at its surface and coarse inside: where the mean over all edges decided, heat went less
+// far than an edge inside, and on a body of 210,000 tets distances became a fifth too small.
+TEST(Distances, HeatGetsAlongTheLongEdgesInside) {
+  const Result<Meshing> made = tetrahedralize(test::icosphere(4));
+  ASSERT_TRUE(made.ok()) << made.error().message;
+  const TetMesh& mesh = made.value().mesh;
+  Index pole = 0, opposite = 0;
+  for (Index v = 0; v < mesh.surface_vertices; ++v) {
+    if (mesh.V(v, 2) > mesh.V(pole, 2)) pole = v;
+    if (mesh.V(v, 2) < mesh.V(opposite, 2)) opposite = v;
+  }
+  const double exact = (mesh.V.row(pole) - mesh.V.row(opposite)).norm();
+  for (const double smoothing : {0.5, 1.0, 4.0}) {
+    const Result<Distances> prepared = Distances::prepare(mesh, {smoothing});
+    ASSERT_TRUE(prepared.ok());
+    const Result<Eigen::VectorXd> found = prepared.value().from(std::array{pole});
+    ASSERT_TRUE(found.ok());
+    EXPECT_NEAR(found.value()[opposite], exact, 0.1 * exact) << smoothing;
+  }
+  EXPECT_EQ(Distances::prepare(mesh, {0.4}).error().code, ErrorCode::usage);
 }
 
 }  // namespace
