@@ -3,7 +3,7 @@
 
 usage: [mpirun -n RANKS] fields_dolfinx.py MESH.vtu ORDER SOLVER
 
-SOLVER: mumps (a Cholesky factor), hypre or gamg (conjugate gradients with algebraic multigrid, to 1e-10). The compiler
+SOLVER: mumps (a Cholesky factor), hypre or gamg (conjugate gradients with algebraic multigrid, to 1e-12). The compiler
 of forms runs before the clock does, on a cube; the mesh's topology and the numbers of the nodes are not timed, either.
 Seconds are the slowest rank's, memory is that of all ranks.
 """
