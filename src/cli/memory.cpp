@@ -25,15 +25,17 @@ std::atomic<bool> has_failed{false};  // an allocation
   throw std::bad_alloc();
 }
 
+// Nothing may be thrown through GMP: mpz_mul() has freed its result's limbs when it asks for more, and the
+// number's destructor would free them again.
 void* gmp_allocate(std::size_t bytes) {
   void* const p = std::malloc(bytes);
-  if (!p) fail_allocation();
+  if (!p) end_for_memory();
   return p;
 }
 
 void* gmp_reallocate(void* old, std::size_t, std::size_t bytes) {
   void* const p = std::realloc(old, bytes);
-  if (!p) fail_allocation();
+  if (!p) end_for_memory();
   return p;
 }
 

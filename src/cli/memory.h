@@ -8,9 +8,9 @@
 
 namespace overtet {
 
-// GMP would abort where an allocation fails; it throws from here on, like everything else. An exception that
-// nobody may catch any more (one that leaves a destructor, or a thread) ends the program with a sentence, and
-// so does a library that calls exit() (libgomp, OpenBLAS) before leaving() was called.
+// GMP would abort where an allocation fails, and can take no exception: from here on it ends the program with
+// a sentence. So does an exception that nobody may catch any more (one that leaves a destructor, or a
+// thread), and a library that calls exit() (libgomp, OpenBLAS) before leaving() was called.
 void install_memory_handlers();
 void leaving();
 // Says so, in these words if there are any and no memory limit was met, and ends the program; takes no

@@ -57,6 +57,19 @@ class Allocations(support.Faults):
         for name, words in self.commands().items():
             self.try_all(name, words, "overtet", 1)
 
+    def test_nothing_is_thrown_through_gmp(self):
+        """mpz_mul() has freed its result's limbs when it asks for more: after an exception they were freed twice."""
+        words, count = self.commands()["inspect"], os.path.join(self.folder, "count")
+        env = support.preload(support.FAIL_ALLOCATION, OVERTET_FAIL_AT=0, OVERTET_FAIL_IN="overtet", OVERTET_FAIL_COUNT=count)
+        self.assertEqual(self.run_program(words, env=env).returncode, 0)
+        with open(count, encoding="ascii") as file:
+            first = int(.41 * int(file.read()))  # where faces are cut, in fractions
+        for moment in range(first, first + 200):
+            env.update(OVERTET_FAIL_AT=str(moment))
+            with self.subTest(allocation=moment):
+                run = self.run_program(words, env=env)
+                self.assertIn(run.returncode, (0, 6), run.stderr)
+
     def test_all_fail_from_there_on(self):
         for name in ("flow", "inspect", "repair"):
             self.try_all(name, self.commands()[name], "overtet", 10**12)

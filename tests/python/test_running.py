@@ -260,16 +260,18 @@ def test_memory_is_given_back():
             except overtet.Infeasible:
                 pass
             return sum(a.nbytes for a in (mesh.V, mesh.T, mesh.boundary))
-        for _ in range(4):
+        for _ in range(3):
             size = work()
-        before = resident()
-        for _ in range(12):
+        used = []
+        for _ in range(24):
             work()
-        gc.collect()
-        print(resident() - before, size)
+            gc.collect()
+            used.append(resident())
+        # What the heap's holes take goes up and down by a dozen meshes, with what threads happen to do.
+        print(min(used[-6:]) - max(used[:6]), size)
         """)
     grown, size = map(int, out.split())
-    assert grown < 6 * size, f"{grown} bytes more after 12 meshes of {size} bytes"
+    assert grown < 3 * size, f"{grown} bytes more after 12 to 24 meshes of {size} bytes"
 
 
 def test_one_copy_on_the_way_in():
