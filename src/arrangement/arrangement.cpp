@@ -206,8 +206,9 @@ class Cutter {
       }
     }
     if (count != 2) return std::nullopt;
+    const Point3 source = segment.source();  // made anew: what approx() refers to lives as long as it does
     const auto may_begin = [&](const exact::Vec& x) {
-      const auto& approximate = segment.source().approx();
+      const auto& approximate = source.approx();
       bool may = true;
       for (int k = 0; k < 3; ++k) may = may && x[k] >= approximate[k].inf() && x[k] <= approximate[k].sup();
       return may;
