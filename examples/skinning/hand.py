@@ -135,13 +135,18 @@ def bent(along, length, bends, share):
     """
     def angle(t):
         return sum(math.radians(bend * share) * smooth((t - joint) / SOFT + 0.5) for joint, bend in zip(JOINTS, bends))
+    return *line_along(along, length, angle), angle(along)
+
+
+def line_along(along, length, angle):
+    """A line that begins along the first axis and has that angle at each place (0 to 1 and a bit), by Simpson's rule."""
     steps = numpy.linspace(0, 1.2, 1201)
     middle = (steps[:-1] + steps[1:]) / 2
     line = []
     for part in (numpy.cos, numpy.sin):
         pieces = (part(angle(steps[:-1])) + 4 * part(angle(middle)) + part(angle(steps[1:]))) / 6 * numpy.diff(steps)
         line.append(length * numpy.interp(along, steps, numpy.concatenate([[0], numpy.cumsum(pieces)])))
-    return line[0], line[1], angle(along)
+    return line
 
 
 def posed(points, pose, share=1.0):

@@ -71,13 +71,7 @@ def bent(along, length, bends, share):
     """The middle line of a limb at each place along it, and its direction there."""
     def angle(t):
         return sum(math.radians(degrees * share) * hand.smooth((t - joint) / soft + .5) for joint, soft, degrees in bends)
-    steps = numpy.linspace(0, 1.3, 1301)
-    middle = (steps[:-1] + steps[1:]) / 2
-    line = []
-    for part in (numpy.cos, numpy.sin):
-        pieces = (part(angle(steps[:-1])) + 4 * part(angle(middle)) + part(angle(steps[1:]))) / 6 * numpy.diff(steps)
-        line.append(length * numpy.interp(along, steps, numpy.concatenate([[0], numpy.cumsum(pieces)])))
-    return line[0], line[1], angle(along)
+    return *hand.line_along(along, length, angle), angle(along)
 
 
 def posed(points, share):

@@ -9,7 +9,7 @@ import numpy as np
 from . import _arrays, _core
 from ._api import Log, Progress, _choice, _run
 from ._errors import Limit, UsageError
-from ._solve import _place
+from ._solve import _conditions
 from ._types import ElasticResult, ElasticStep, Mesh, mesh_dict
 
 _MATERIALS = ["neo-hookean", "corotated", "st-venant-kirchhoff"]
@@ -26,16 +26,11 @@ def _numbers(given: Any, name: str, count: int) -> List[float]:
 
 
 def _vectors(given: Any, name: str, mesh: Mesh, optional: bool = False) -> List[Tuple[Any, Any]]:
-    out = []
-    for pair in given or ():
-        try:
-            where, function = pair
-        except (TypeError, ValueError):
-            raise UsageError(f"{name} takes pairs (where, function), not {pair!r}.") from None
-        if not callable(function) and not (optional and function is None):
-            function = _numbers(function, f"A vector of {name}", 3)
-        out.append((_place(where, mesh), function))
-    return out
+    def read(function: Any, name: str) -> Any:
+        if callable(function) or (optional and function is None):
+            return function
+        return _numbers(function, f"A vector of {name}", 3)
+    return _conditions(given, name, mesh, read)
 
 
 class Elastic:

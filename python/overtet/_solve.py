@@ -33,14 +33,15 @@ def _place(where: Any, mesh: Mesh) -> Any:
     return vertices.astype(np.int64)
 
 
-def _conditions(given: Any, name: str, mesh: Mesh) -> List[Tuple[Any, Any]]:
+def _conditions(given: Any, name: str, mesh: Mesh, read: Callable[[Any, str], Any]) -> List[Tuple[Any, Any]]:
+    """Pairs (where, function), what stands for a function read by `read`."""
     out = []
     for pair in given or ():
         try:
             where, function = pair
         except (TypeError, ValueError):
             raise UsageError(f"{name} takes pairs (where, function), not {pair!r}.") from None
-        out.append((_place(where, mesh), _function(function, name)))
+        out.append((_place(where, mesh), read(function, name)))
     return out
 
 
@@ -69,8 +70,8 @@ def solve(mesh: Mesh, equation: str = "laplace", *, values: Any, fluxes: Any = (
     _choice("equation", equation, ["laplace", "poisson", "biharmonic"])
     if order not in (1, 2):
         raise UsageError(f"order is {order}; it must be 1 or 2.")
-    options = {"equation": equation, "order": int(order), "values": _conditions(values, "values", mesh),
-               "fluxes": _conditions(fluxes, "fluxes", mesh),
+    options = {"equation": equation, "order": int(order), "values": _conditions(values, "values", mesh, _function),
+               "fluxes": _conditions(fluxes, "fluxes", mesh, _function),
                "source": None if source is None else _function(source, "source")}
     return Field(**_core.solve(mesh_dict(mesh), options, _run(threads, time_limit, memory_limit, progress, log)))
 

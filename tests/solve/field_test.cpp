@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "overtet/solve.h"
-#include "src/mesh/tet_complex.h"
+#include "tests/solve/conditions.h"
 #include "tests/support/tet_shapes.h"
 
 namespace overtet {
@@ -14,15 +14,11 @@ using Point = Eigen::Vector3d;
 
 // With its boundary triangles; the label of a triangle is 1, or 2 where all corners have x near 0.
 LabelledTetMesh labelled(const TetMesh& mesh) {
-  LabelledTetMesh m;
-  m.mesh = mesh;
-  const auto faces = TetComplex(mesh.V, mesh.T).boundary();
-  m.attributes.triangles.resize(std::ssize(faces), 3);
-  for (std::size_t f = 0; f < faces.size(); ++f) {
-    for (int k = 0; k < 3; ++k) m.attributes.triangles(static_cast<Eigen::Index>(f), k) = faces[f][k];
+  LabelledTetMesh m = test::with_boundary(mesh);
+  for (Index& label : m.attributes.labels.of) {  // so far the triangle's number
     bool left = true;
-    for (int k = 0; k < 3; ++k) left = left && mesh.V(faces[f][k], 0) < 1e-9;
-    m.attributes.labels.of.push_back(left ? 2 : 1);
+    for (int k = 0; k < 3; ++k) left = left && mesh.V(m.attributes.triangles(label, k), 0) < 1e-9;
+    label = left ? 2 : 1;
   }
   return m;
 }
